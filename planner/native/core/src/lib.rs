@@ -1,0 +1,17 @@
+//! Temporal planning core of marsupial: reads PDDL 2.1 with PDDL/M modules,
+//! grounds it, searches for plans of small makespan and validates plans.
+//!
+//! ```text
+//! syntax ──► pddl ──► grounding ──► task ──► search, schedule ──► plan
+//! (tokens,   (typed    (relaxed     (finite-domain  (two search spaces,
+//!  tree,      model)    reach-       ground task)    one portfolio)
+//!  spans)               ability)
+//!               └────────────────────────────────────► validate  (shares no code with the search)
+//! ```
+
+pub mod attachment;
+pub mod outcome;
+pub mod pddl;
+pub mod plan;
+pub mod syntax;
+pub mod task;

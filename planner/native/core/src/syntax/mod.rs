@@ -1,0 +1,3 @@
+//! Source text, spans, tokens, the lossless tree and diagnostics.
+
+pub mod span;

@@ -1,0 +1,4 @@
+//! Grid path costs of marsupial (module semantic_attachments._core).
+
+#[cfg(feature = "python")]
+mod python;
