@@ -3,15 +3,17 @@
 //! Source: Dornhege et al., "Semantic attachments for domain-independent planning systems",
 //! ICAPS 2009.
 
-use crate::pddl::model::ModuleId;
-use crate::task::{FactId, FluentId};
+use crate::pddl::model::{FunctionId, ModuleId, ObjectId, PredicateId};
 
 /// A read-only view of one planner state, for attachments that depend on it.
+///
+/// Symbols are those of the typed model, so that the search, the validator and a border to
+/// another language can each offer one.
 pub trait StateView {
-    /// Whether a fact holds.
-    fn holds(&self, fact: FactId) -> bool;
-    /// The value of a numeric fluent; NaN where it is undefined.
-    fn value(&self, fluent: FluentId) -> f64;
+    /// Whether a fact holds, static ones included.
+    fn holds(&self, predicate: PredicateId, arguments: &[ObjectId]) -> bool;
+    /// The value of a numeric fluent, static ones included; `None` where it is undefined.
+    fn value(&self, function: FunctionId, arguments: &[ObjectId]) -> Option<f64>;
 }
 
 /// What the value of an attachment depends on.
