@@ -1,1 +1,1 @@
-"""TODO."""
+"""Ground truth and senses: a simulated fleet in a building, and a client that speaks only HTTP."""
