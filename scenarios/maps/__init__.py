@@ -1,0 +1,1 @@
+"""Building maps and the generators that draw them."""

@@ -1,0 +1,67 @@
+"""Writes a map as ROS map_server files (YAML + PGM) and its targets and blockades as TOML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenarios.maps.floor_plan import FREE, OCCUPIED
+from scenarios.maps.placement import Placement
+
+GREY = {FREE: 254, OCCUPIED: 0}
+"""map_server's grey values; unknown is 205, just above its free threshold of 0.196"""
+
+
+def pgm(cells: NDArray[np.int8]) -> bytes:
+    """A binary PGM image of a grid whose row 0 is the lowest; an image's first row is its top."""
+    image = np.full(cells.shape, 205, np.uint8)
+    for value, grey in GREY.items():
+        image[cells == value] = grey
+    height, width = cells.shape
+    return f"P5\n{width} {height}\n255\n".encode() + image[::-1].tobytes()
+
+
+def map_yaml(image: str, resolution_m: float, origin_m: tuple[float, float] = (0.0, 0.0)) -> str:
+    """The text of a map_server YAML file."""
+    return (
+        f"image: {image}\n"
+        f"resolution: {resolution_m}\n"
+        f"origin: [{origin_m[0]}, {origin_m[1]}, 0.0]\n"
+        "negate: 0\n"
+        "occupied_thresh: 0.65\n"
+        "free_thresh: 0.196\n"
+    )
+
+
+def annotations_toml(placement: Placement) -> str:
+    """The text of an annotations file."""
+    lines = [
+        "# Mission targets and blockades; positions in the map frame [m], times [s].",
+        "# Share of the targets that no robot reaches before something has been cleared:",
+        f"sealed_fraction = {placement.sealed_fraction}",
+    ]
+    for target in placement.targets:
+        x, y = target.position_m
+        lines += ["", "[[targets]]", f'id = "{target.id}"', f"position_m = [{x}, {y}]"]
+    for blockade in placement.blockades:
+        (x0, y0), (x1, y1) = blockade.segment_m
+        lines += [
+            "",
+            "[[blockades]]",
+            f'id = "{blockade.id}"',
+            f"segment_m = [[{x0}, {y0}], [{x1}, {y1}]]",
+            f"clear_duration_s = {blockade.clear_duration_s}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def write(
+    folder: Path, name: str, cells: NDArray[np.int8], resolution_m: float, placement: Placement
+) -> None:
+    """Writes `name.pgm`, `name.yaml` and `name.toml` into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.pgm").write_bytes(pgm(cells))
+    (folder / f"{name}.yaml").write_text(map_yaml(f"{name}.pgm", resolution_m), encoding="utf-8")
+    (folder / f"{name}.toml").write_text(annotations_toml(placement), encoding="utf-8")
