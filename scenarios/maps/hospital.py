@@ -37,14 +37,31 @@ def draw(seed: int) -> FloorPlan:
     open_between(plan, north, wing, None, None)
 
     for span in ((10, 148), (149, 290), (291, 452), (453, 590)):
-        fill_row(plan, south, "south", span, style=WARDS if random.random() < 0.25 else ROOMS, random=random)
+        fill_row(
+            plan,
+            south,
+            "south",
+            span,
+            style=WARDS if random.random() < 0.25 else ROOMS,
+            random=random,
+        )
     edges = [9, *[edge for x in passages for edge in (x - 1, x + CORRIDOR)], 590]
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         fill_row(plan, south, "north", (start + 1, end), style=ROOMS, random=random)
         fill_row(plan, north, "south", (start + 1, end), style=ROOMS, random=random)
-    wing_rooms = [fill_row(plan, wing, side, (231, 294), style=WING, random=random) for side in ("west", "east")]
+    wing_rooms = [
+        fill_row(plan, wing, side, (231, 294), style=WING, random=random)
+        for side in ("west", "east")
+    ]
     west = min(plan.spaces[room].interior.x0 for room in wing_rooms[0])
     east = max(plan.spaces[room].interior.x1 for room in wing_rooms[1])
     for span in ((10, 120), (121, west - 1), (east + 1, 470), (471, 590)):
-        fill_row(plan, north, "north", span, style=WARDS if random.random() < 0.25 else ROOMS, random=random)
+        fill_row(
+            plan,
+            north,
+            "north",
+            span,
+            style=WARDS if random.random() < 0.25 else ROOMS,
+            random=random,
+        )
     return plan

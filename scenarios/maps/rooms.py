@@ -63,7 +63,9 @@ def fill_row(
         if depth >= 40 and random.random() < style.suite:
             front = random.randint(depth // 2 - 4, depth // 2 + 4)
             first = plan.add(style.kind, _beside(plan, corridor, side, along, near=0, far=front))
-            second = plan.add(style.kind, _beside(plan, corridor, side, along, near=front + 1, far=depth))
+            second = plan.add(
+                style.kind, _beside(plan, corridor, side, along, near=front + 1, far=depth)
+            )
             open_between(plan, first, second, style.door, random)
             added += [first, second]
         else:

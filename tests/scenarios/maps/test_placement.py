@@ -73,4 +73,4 @@ def test_same_seed_same_places() -> None:
     assert np.isclose(first.sealed_fraction, 0.5)
 
 
-SMALL = PlacementParameters(targets=2, blockades=2, corridor_share=0.5)
+SMALL = PlacementParameters(targets=2, blockades=1)
