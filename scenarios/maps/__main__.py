@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from scenarios.maps import hospital
-from scenarios.maps.files import write
+from scenarios.maps.files import write_annotations, write_map
 from scenarios.maps.floor_plan import FloorPlan
 from scenarios.maps.placement import PlacementParameters, place
 
@@ -21,7 +21,8 @@ def draw(kind: str, seed: int, folder: Path) -> float:
     generator, parameters = GENERATORS[kind]
     plan = generator(seed)
     placement = place(plan, seed, parameters)
-    write(folder, kind, plan.cells(), plan.resolution_m, placement)
+    write_map(folder, kind, plan.cells(), plan.resolution_m)
+    write_annotations(folder, kind, placement)
     return placement.sealed_fraction
 
 

@@ -1,0 +1,39 @@
+"""Start poses follow the seed, stand free and apart, and the sealed share is that of the starts."""
+
+from itertools import combinations
+from math import dist
+from pathlib import Path
+
+import pytest
+
+import scenarios
+from scenarios.composition import compose
+from scenarios.maps.free_space import component_at, components
+from scenarios.scenario_file import read_scenario
+
+HOSPITAL = Path(scenarios.__file__).parent / "disaster" / "hospital.toml"
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_starts_are_free_and_apart(tmp_path: Path, seed: int) -> None:
+    made = compose(read_scenario(HOSPITAL), seed=seed, folder=tmp_path)
+    places = [robot.pose[:2] for robot in made.fleet.robots]
+    assert len(places) == 4
+    assert all(dist(a, b) >= 1.5 for a, b in combinations(places, 2))
+    labels = components(made.cells, made.resolution_m, 0.3)
+    assert {component_at(labels, made.resolution_m, place) for place in places} == {1}
+    assert 0.3 <= made.sealed_fraction <= 0.5
+
+
+def test_seed_decides(tmp_path: Path) -> None:
+    scenario = read_scenario(HOSPITAL)
+    one, same, other = (compose(scenario, seed=seed, folder=tmp_path).fleet for seed in (1, 1, 2))
+    assert one == same
+    assert [robot.pose for robot in one.robots] != [robot.pose for robot in other.robots]
+
+
+def test_strategy_given_by_the_caller_wins(tmp_path: Path) -> None:
+    scenario = read_scenario(HOSPITAL)
+    assert compose(scenario, seed=1, folder=tmp_path).fleet.strategy == "planner"
+    made = compose(scenario, seed=1, folder=tmp_path, strategy="hungarian")
+    assert made.fleet.strategy == "hungarian"
