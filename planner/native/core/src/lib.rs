@@ -10,6 +10,7 @@
 //! ```
 
 pub mod attachment;
+pub mod grounding;
 pub mod outcome;
 pub mod pddl;
 pub mod plan;

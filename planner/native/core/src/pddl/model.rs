@@ -291,6 +291,20 @@ pub enum Comparison {
     Greater,
 }
 
+impl Comparison {
+    /// Whether it holds between two numbers; false where one is NaN (undefined).
+    #[must_use]
+    pub fn holds(self, left: f64, right: f64) -> bool {
+        match self {
+            Self::Less => left < right,
+            Self::LessEqual => left <= right,
+            Self::Equal => left == right,
+            Self::GreaterEqual => left >= right,
+            Self::Greater => left > right,
+        }
+    }
+}
+
 /// A numeric expression with its place.
 #[derive(Clone, Debug)]
 pub struct Expression {
@@ -330,6 +344,19 @@ pub enum Arithmetic {
     Multiply,
     /// `/`
     Divide,
+}
+
+impl Arithmetic {
+    /// The result on two numbers.
+    #[must_use]
+    pub fn apply(self, left: f64, right: f64) -> f64 {
+        match self {
+            Self::Add => left + right,
+            Self::Subtract => left - right,
+            Self::Multiply => left * right,
+            Self::Divide => left / right,
+        }
+    }
 }
 
 /// An effect with its place.

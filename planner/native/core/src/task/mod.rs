@@ -6,6 +6,7 @@
 //! comparisons and attachments.
 
 use crate::pddl::model::{ActionId, Arithmetic, Assignment, Comparison, ModuleId, ObjectId};
+use crate::plan::Step;
 
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
@@ -36,6 +37,12 @@ ids! {
 /// A grounded task.
 #[derive(Clone, Debug, Default)]
 pub struct Task {
+    /// Names of the action schemas, by [`ActionId`].
+    pub action_names: Vec<String>,
+    /// Names of the objects, by [`ObjectId`].
+    pub object_names: Vec<String>,
+    /// Names of the modules, by [`ModuleId`].
+    pub module_names: Vec<String>,
     /// Names of the facts, `at e1 t3`.
     pub facts: Vec<String>,
     /// Names of the numeric fluents.
@@ -58,6 +65,41 @@ pub struct Task {
     pub metric: Option<Metric>,
     /// Sets of facts of which at most one is true in every reachable state.
     pub mutex_groups: Vec<Vec<FactId>>,
+    /// Whether relaxed reachability already proves that the goal cannot be reached.
+    pub unsolvable: bool,
+    /// Whether compiling lost plans: a disjunction that has to hold over an interval was split
+    /// into actions of which each keeps one disjunct throughout.
+    pub narrowed: bool,
+}
+
+impl Task {
+    /// The plan step that runs an operator.
+    #[must_use]
+    pub fn step(&self, operator: OperatorId, start: f64, duration: Option<f64>) -> Step {
+        let ground = &self.operators[operator.index()];
+        Step {
+            start,
+            action: self.action_names[ground.action.index()].clone(),
+            arguments: ground
+                .arguments
+                .iter()
+                .map(|object| self.object_names[object.index()].clone())
+                .collect(),
+            duration,
+        }
+    }
+
+    /// `action argument ...`, for messages.
+    #[must_use]
+    pub fn operator_name(&self, operator: OperatorId) -> String {
+        let step = self.step(operator, 0.0, None);
+        let mut text = step.action;
+        for argument in step.arguments {
+            text.push(' ');
+            text.push_str(&argument);
+        }
+        text
+    }
 }
 
 /// A conjunction of literals, comparisons and condition attachments.

@@ -1,0 +1,425 @@
+//! Ground conditions and expressions with static parts folded, and their disjunctive normal form.
+
+use rustc_hash::FxHashMap;
+
+use crate::pddl::model::{
+    Arithmetic, Comparison, Condition, ConditionKind, Expression, ExpressionKind, FluentTerm,
+    FunctionId, ModuleCall, ModuleId, ObjectId, Parameter, PredicateId,
+};
+use crate::task::{CallId, FluentId, GroundExpression, NumericCondition};
+
+use super::costs::Costs;
+use super::relation::Relation;
+use super::world::World;
+
+/// Index of a ground atom of a changing predicate, reached or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct AtomId(pub(super) u32);
+
+impl AtomId {
+    pub(super) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A ground condition in negation normal form.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Formula {
+    True,
+    False,
+    And(Vec<Formula>),
+    Or(Vec<Formula>),
+    Atom(AtomId, bool),
+    Compare(NumericCondition),
+    Call(CallId, bool),
+}
+
+/// Ground symbols met so far.
+#[derive(Default)]
+pub(super) struct Symbols {
+    pub(super) atoms: Vec<(PredicateId, Box<[ObjectId]>)>,
+    atom_of: FxHashMap<(PredicateId, Box<[ObjectId]>), AtomId>,
+    pub(super) fluents: Vec<(FunctionId, Box<[ObjectId]>)>,
+    fluent_of: FxHashMap<(FunctionId, Box<[ObjectId]>), FluentId>,
+    pub(super) calls: Vec<(ModuleId, Box<[ObjectId]>)>,
+    call_of: FxHashMap<(ModuleId, Box<[ObjectId]>), CallId>,
+}
+
+impl Symbols {
+    pub(super) fn atom(&mut self, predicate: PredicateId, arguments: Box<[ObjectId]>) -> AtomId {
+        let key = (predicate, arguments);
+        if let Some(&id) = self.atom_of.get(&key) {
+            return id;
+        }
+        let id = AtomId(self.atoms.len() as u32);
+        self.atoms.push(key.clone());
+        self.atom_of.insert(key, id);
+        id
+    }
+
+    pub(super) fn fluent(&mut self, function: FunctionId, arguments: Box<[ObjectId]>) -> FluentId {
+        let key = (function, arguments);
+        if let Some(&id) = self.fluent_of.get(&key) {
+            return id;
+        }
+        let id = FluentId(self.fluents.len() as u32);
+        self.fluents.push(key.clone());
+        self.fluent_of.insert(key, id);
+        id
+    }
+
+    pub(super) fn call(&mut self, module: ModuleId, arguments: Box<[ObjectId]>) -> CallId {
+        let key = (module, arguments);
+        if let Some(&id) = self.call_of.get(&key) {
+            return id;
+        }
+        let id = CallId(self.calls.len() as u32);
+        self.calls.push(key.clone());
+        self.call_of.insert(key, id);
+        id
+    }
+}
+
+/// What instantiating needs; `incomplete` is set when an attachment's value was not known yet.
+pub(super) struct Instantiation<'a, 'b> {
+    pub(super) world: &'a World<'b>,
+    pub(super) relations: &'a [Relation],
+    pub(super) symbols: &'a mut Symbols,
+    pub(super) costs: &'a mut Costs<'b>,
+    /// Duration of the action where it is a number.
+    pub(super) duration: Option<f64>,
+    /// The ground action on whose behalf attachments are called.
+    pub(super) action: &'a dyn Fn() -> String,
+    pub(super) incomplete: bool,
+}
+
+impl Instantiation<'_, '_> {
+    /// The formula for a condition (or its negation) under bindings.
+    pub(super) fn condition(
+        &mut self,
+        condition: &Condition,
+        positive: bool,
+        bindings: &mut Vec<ObjectId>,
+    ) -> Formula {
+        match &condition.kind {
+            ConditionKind::And(parts) => self.connect(parts, positive, positive, bindings),
+            ConditionKind::Or(parts) => self.connect(parts, positive, !positive, bindings),
+            ConditionKind::Not(inner) => self.condition(inner, !positive, bindings),
+            ConditionKind::Imply(left, right) => {
+                let parts = vec![
+                    self.condition(left, !positive, bindings),
+                    self.condition(right, positive, bindings),
+                ];
+                gather(parts, !positive)
+            }
+            ConditionKind::Forall(variables, body) => {
+                self.quantify(variables, body, positive, positive, bindings)
+            }
+            ConditionKind::Exists(variables, body) => {
+                self.quantify(variables, body, positive, !positive, bindings)
+            }
+            ConditionKind::Atom(atom) => {
+                let arguments = World::bind(&atom.arguments, bindings);
+                if self.world.changing_predicate[atom.predicate.index()] {
+                    Formula::Atom(self.symbols.atom(atom.predicate, arguments), positive)
+                } else {
+                    truth(self.relations[atom.predicate.index()].contains(&arguments) == positive)
+                }
+            }
+            ConditionKind::Equal(left, right) => truth(
+                (World::value_of(*left, bindings) == World::value_of(*right, bindings)) == positive,
+            ),
+            ConditionKind::Compare(comparison, left, right) => {
+                let left = self.expression(left, bindings);
+                let right = self.expression(right, bindings);
+                match (left, right) {
+                    (Some(left), Some(right)) => compare(*comparison, left, right, positive),
+                    _ => Formula::False,
+                }
+            }
+            ConditionKind::Module(call) => self.checker(call, positive, bindings),
+        }
+    }
+
+    fn connect(
+        &mut self,
+        parts: &[Condition],
+        positive: bool,
+        conjunction: bool,
+        bindings: &mut Vec<ObjectId>,
+    ) -> Formula {
+        let mut formulas = Vec::with_capacity(parts.len());
+        for part in parts {
+            let formula = self.condition(part, positive, bindings);
+            match (&formula, conjunction) {
+                (Formula::False, true) | (Formula::True, false) => return formula,
+                _ => formulas.push(formula),
+            }
+        }
+        gather(formulas, conjunction)
+    }
+
+    fn quantify(
+        &mut self,
+        variables: &[Parameter],
+        body: &Condition,
+        positive: bool,
+        conjunction: bool,
+        bindings: &mut Vec<ObjectId>,
+    ) -> Formula {
+        let mut formulas = Vec::new();
+        let depth = bindings.len();
+        for_all_bindings(self.world, variables, bindings, &mut |bindings| {
+            formulas.push(self.condition(body, positive, bindings));
+        });
+        bindings.truncate(depth);
+        gather(formulas, conjunction)
+    }
+
+    fn checker(&mut self, call: &ModuleCall, positive: bool, bindings: &[ObjectId]) -> Formula {
+        let arguments = World::bind(&call.arguments, bindings);
+        if !self.costs.is_pure(call.module) {
+            return Formula::Call(self.symbols.call(call.module, arguments), positive);
+        }
+        match self.costs.value(call.module, &arguments, self.action) {
+            Some(value) => truth((value != 0.0 && value.is_finite()) == positive),
+            None => {
+                self.incomplete = true;
+                Formula::True
+            }
+        }
+    }
+
+    /// The expression under bindings; `None` where it is undefined or infinite.
+    pub(super) fn expression(
+        &mut self,
+        expression: &Expression,
+        bindings: &[ObjectId],
+    ) -> Option<GroundExpression> {
+        match &expression.kind {
+            ExpressionKind::Number(value) => Some(GroundExpression::Constant(*value)),
+            ExpressionKind::Fluent(term) => self.fluent(term, bindings),
+            ExpressionKind::Module(call) => {
+                let arguments = World::bind(&call.arguments, bindings);
+                if !self.costs.is_pure(call.module) {
+                    let call = self.symbols.call(call.module, arguments);
+                    return Some(GroundExpression::Call(call));
+                }
+                match self.costs.value(call.module, &arguments, self.action) {
+                    Some(value) => value
+                        .is_finite()
+                        .then_some(GroundExpression::Constant(value)),
+                    None => {
+                        self.incomplete = true;
+                        Some(GroundExpression::Constant(1.0))
+                    }
+                }
+            }
+            ExpressionKind::Duration => Some(
+                self.duration
+                    .map_or(GroundExpression::Duration, GroundExpression::Constant),
+            ),
+            ExpressionKind::TotalTime => Some(GroundExpression::TotalTime),
+            ExpressionKind::Binary(operation, left, right) => {
+                let left = self.expression(left, bindings)?;
+                let right = self.expression(right, bindings)?;
+                combine(*operation, left, right)
+            }
+            ExpressionKind::Negate(inner) => {
+                let inner = self.expression(inner, bindings)?;
+                combine(Arithmetic::Subtract, GroundExpression::Constant(0.0), inner)
+            }
+        }
+    }
+
+    fn fluent(&mut self, term: &FluentTerm, bindings: &[ObjectId]) -> Option<GroundExpression> {
+        let arguments = World::bind(&term.arguments, bindings);
+        if self.world.changing_function[term.function.index()] {
+            let fluent = self.symbols.fluent(term.function, arguments);
+            return Some(GroundExpression::Fluent(fluent));
+        }
+        self.world
+            .values
+            .get(&(term.function, arguments))
+            .map(|&value| GroundExpression::Constant(value))
+    }
+}
+
+/// Calls `visit` with the bindings extended by every combination of objects for the variables.
+pub(super) fn for_all_bindings(
+    world: &World<'_>,
+    variables: &[Parameter],
+    bindings: &mut Vec<ObjectId>,
+    visit: &mut dyn FnMut(&mut Vec<ObjectId>),
+) {
+    let Some((first, others)) = variables.split_first() else {
+        visit(bindings);
+        return;
+    };
+    for object in world.candidates(first) {
+        bindings.push(object);
+        for_all_bindings(world, others, bindings, visit);
+        bindings.pop();
+    }
+}
+
+fn truth(value: bool) -> Formula {
+    if value { Formula::True } else { Formula::False }
+}
+
+/// A simplified conjunction or disjunction.
+pub(super) fn gather(parts: Vec<Formula>, conjunction: bool) -> Formula {
+    let (neutral, absorbing) = (truth(conjunction), truth(!conjunction));
+    let mut kept = Vec::with_capacity(parts.len());
+    for part in parts {
+        if part == absorbing {
+            return absorbing;
+        }
+        match part {
+            Formula::And(inner) if conjunction => kept.extend(inner),
+            Formula::Or(inner) if !conjunction => kept.extend(inner),
+            other if other == neutral => {}
+            other => kept.push(other),
+        }
+    }
+    match kept.len() {
+        0 => neutral,
+        1 => kept.remove(0),
+        _ if conjunction => Formula::And(kept),
+        _ => Formula::Or(kept),
+    }
+}
+
+fn compare(
+    comparison: Comparison,
+    left: GroundExpression,
+    right: GroundExpression,
+    positive: bool,
+) -> Formula {
+    use Comparison::{Equal, Greater, GreaterEqual, Less, LessEqual};
+    if let (GroundExpression::Constant(left), GroundExpression::Constant(right)) = (&left, &right) {
+        return truth(comparison.holds(*left, *right) == positive);
+    }
+    let comparison = match (comparison, positive) {
+        (other, true) => other,
+        (Less, false) => GreaterEqual,
+        (LessEqual, false) => Greater,
+        (Greater, false) => LessEqual,
+        (GreaterEqual, false) => Less,
+        (Equal, false) => {
+            let less = compare(Less, left.clone(), right.clone(), true);
+            let more = compare(Greater, left, right, true);
+            return gather(vec![less, more], false);
+        }
+    };
+    Formula::Compare(NumericCondition {
+        comparison,
+        left,
+        right,
+    })
+}
+
+/// A folded operation; `None` where it is undefined.
+fn combine(
+    operation: Arithmetic,
+    left: GroundExpression,
+    right: GroundExpression,
+) -> Option<GroundExpression> {
+    if let (GroundExpression::Constant(left), GroundExpression::Constant(right)) = (&left, &right) {
+        let value = operation.apply(*left, *right);
+        return value
+            .is_finite()
+            .then_some(GroundExpression::Constant(value));
+    }
+    Some(GroundExpression::Binary(
+        operation,
+        Box::new(left),
+        Box::new(right),
+    ))
+}
+
+impl Formula {
+    /// Whether it can hold in the delete relaxation, given which atoms are reached.
+    pub(super) fn possible(&self, reached: &dyn Fn(AtomId) -> bool) -> bool {
+        match self {
+            Self::False => false,
+            Self::True | Self::Compare(_) | Self::Call(..) | Self::Atom(_, false) => true,
+            Self::Atom(atom, true) => reached(*atom),
+            Self::And(parts) => parts.iter().all(|part| part.possible(reached)),
+            Self::Or(parts) => parts.iter().any(|part| part.possible(reached)),
+        }
+    }
+
+    /// Replaces atoms whose truth never changes.
+    pub(super) fn fold(self, known: &dyn Fn(AtomId) -> Option<bool>) -> Self {
+        match self {
+            Self::Atom(atom, positive) => match known(atom) {
+                Some(value) => truth(value == positive),
+                None => Self::Atom(atom, positive),
+            },
+            Self::And(parts) => gather(
+                parts.into_iter().map(|part| part.fold(known)).collect(),
+                true,
+            ),
+            Self::Or(parts) => gather(
+                parts.into_iter().map(|part| part.fold(known)).collect(),
+                false,
+            ),
+            other => other,
+        }
+    }
+
+    /// Disjunctive normal form: each inner list is a conjunction of literals, comparisons and
+    /// calls. `None` if it has more than `limit` disjuncts.
+    pub(super) fn disjuncts(self, limit: usize) -> Option<Vec<Vec<Formula>>> {
+        match self {
+            Self::True => Some(vec![Vec::new()]),
+            Self::False => Some(Vec::new()),
+            Self::Or(parts) => {
+                let mut all = Vec::new();
+                for part in parts {
+                    all.extend(part.disjuncts(limit)?);
+                    if all.len() > limit {
+                        return None;
+                    }
+                }
+                Some(all)
+            }
+            Self::And(mut parts) => {
+                // Literals first, so that disjuncts they contradict or satisfy vanish early.
+                parts.sort_by_key(|part| matches!(part, Self::Or(_) | Self::And(_)));
+                let mut all: Vec<Vec<Formula>> = vec![Vec::new()];
+                for part in parts {
+                    let choices = part.disjuncts(limit)?;
+                    let mut next = Vec::with_capacity(all.len() * choices.len());
+                    for so_far in &all {
+                        if choices.iter().any(|c| c.iter().all(|l| so_far.contains(l))) {
+                            next.push(so_far.clone());
+                            continue;
+                        }
+                        for choice in &choices {
+                            let clash = choice.iter().any(|literal| {
+                                matches!(literal, Self::Atom(a, p) if so_far.contains(&Self::Atom(*a, !p)))
+                            });
+                            if !clash {
+                                let mut joined = so_far.clone();
+                                for literal in choice {
+                                    if !joined.contains(literal) {
+                                        joined.push(literal.clone());
+                                    }
+                                }
+                                next.push(joined);
+                            }
+                        }
+                        if next.len() > limit {
+                            return None;
+                        }
+                    }
+                    all = next;
+                }
+                Some(all)
+            }
+            literal => Some(vec![vec![literal]]),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! From the typed model to a ground task: relaxed reachability by joins, with static parts folded.
+//!
+//! ```text
+//! ground
+//!   reachability   layers of: joins over fresh atoms -> candidates -> one batch of costs -> new atoms
+//!   assembly       conjunctions, effects, axioms of what was reached -> Task
+//! ```
+//!
+//! Source: Helmert, "Concise finite-domain representations for PDDL planning tasks", Artificial
+//! Intelligence 173, 2009, section 6 (relaxed reachability as a logic program).
+
+mod assembly;
+mod costs;
+mod formula;
+mod join;
+mod reachability;
+mod relation;
+mod relevance;
+mod schema;
+mod stratification;
+mod world;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use crate::attachment::{AttachmentError, Attachments, Purity};
+use crate::pddl::model::{Domain, ModuleId, Problem};
+use crate::syntax::span::Span;
+use crate::task::Task;
+
+/// What bounds grounding.
+#[derive(Clone, Copy, Debug)]
+pub struct GroundingLimits<'a> {
+    /// Largest number of ground operators.
+    pub operators: usize,
+    /// Largest number of disjuncts that one ground condition may split into.
+    pub disjuncts: usize,
+    /// When to give up.
+    pub deadline: Option<Instant>,
+    /// Set by somebody else to give up.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl Default for GroundingLimits<'_> {
+    fn default() -> Self {
+        Self {
+            operators: 5_000_000,
+            disjuncts: 1_000,
+            deadline: None,
+            cancel: None,
+        }
+    }
+}
+
+impl GroundingLimits<'_> {
+    fn check(&self) -> Result<(), GroundingError> {
+        if self
+            .cancel
+            .is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+        {
+            return Err(GroundingError::Cancelled);
+        }
+        if self
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+        {
+            return Err(GroundingError::TimedOut);
+        }
+        Ok(())
+    }
+}
+
+/// Why a problem could not be grounded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GroundingError {
+    /// An attachment failed.
+    #[error(transparent)]
+    Attachment(#[from] AttachmentError),
+    /// A condition splits into too many conjunctions.
+    #[error(
+        "the condition of {action} splits into more than {limit} conjunctions; \
+         move the disjunction into a derived predicate or split the action"
+    )]
+    TooManyDisjuncts {
+        /// The action or rule.
+        action: String,
+        /// The limit.
+        limit: usize,
+        /// The action or rule, in the domain file.
+        span: Span,
+    },
+    /// The task is too large.
+    #[error(
+        "the problem has more than {limit} ground actions; give parameters narrower types or add static conditions"
+    )]
+    TooManyOperators {
+        /// The limit.
+        limit: usize,
+    },
+    /// A construct that the reader accepts but the planner does not.
+    #[error("{what} is not supported")]
+    Unsupported {
+        /// What.
+        what: String,
+        /// Where, in the domain file.
+        span: Span,
+    },
+    /// Derived predicates depend negatively on themselves.
+    #[error("derived predicate {predicate} depends on its own negation")]
+    Unstratifiable {
+        /// Which.
+        predicate: String,
+        /// The rule.
+        span: Span,
+    },
+    /// The deadline passed.
+    #[error("the time limit was reached while grounding")]
+    TimedOut,
+    /// Somebody asked to stop.
+    #[error("grounding was cancelled")]
+    Cancelled,
+}
+
+/// Grounds a problem.
+///
+/// Operators whose conditions no sequence of actions can reach (delete relaxation), whose duration
+/// is undefined or whose cost attachment is infinite are left out.
+///
+/// # Errors
+/// See [`GroundingError`].
+pub fn ground(
+    domain: &Domain,
+    problem: &Problem,
+    attachments: &dyn Attachments,
+    limits: &GroundingLimits<'_>,
+) -> Result<Task, GroundingError> {
+    let world = world::World::new(domain, problem);
+    let strata = stratification::strata(domain)?;
+    let stateful = (0..domain.modules.len() as u32)
+        .any(|module| attachments.purity(ModuleId(module)) == Purity::State);
+    let reached = reachability::reach(&world, attachments, limits)?;
+    let mut task = assembly::assemble(&world, reached, &strata, limits)?;
+    if !stateful {
+        relevance::prune(&mut task);
+    }
+    Ok(task)
+}

@@ -1,0 +1,520 @@
+//! Relaxed reachability: which ground actions and atoms can occur when nothing is ever deleted.
+//!
+//! Works in layers. A layer joins the atoms that the previous one reached, evaluates all
+//! attachments its candidates need in one batch per module, and lets the survivors reach new atoms.
+//! Candidates whose conditions are not conjunctions of atoms wait until these can hold.
+
+use rustc_hash::FxHashSet;
+
+use crate::attachment::Attachments;
+use crate::pddl::model::{
+    Action, Comparison, Condition, Effect, EffectKind, ObjectId, TimedChange,
+};
+use crate::task::{Duration, GroundExpression};
+
+use super::costs::Costs;
+use super::formula::{AtomId, Formula, Instantiation, Symbols, for_all_bindings, gather};
+use super::join::{Trigger, instantiate};
+use super::relation::Relation;
+use super::schema::{Origin, Schema};
+use super::world::World;
+use super::{GroundingError, GroundingLimits};
+
+/// A ground action or rule that can occur.
+pub(super) struct Instance {
+    /// Index into [`Reached::schemas`].
+    pub(super) schema: u32,
+    pub(super) arguments: Box<[ObjectId]>,
+    pub(super) duration: Option<Duration>,
+}
+
+/// What relaxed reachability found.
+pub(super) struct Reached<'b> {
+    pub(super) schemas: Vec<Schema<'b>>,
+    pub(super) relations: Vec<Relation>,
+    pub(super) symbols: Symbols,
+    pub(super) costs: Costs<'b>,
+    pub(super) instances: Vec<Instance>,
+}
+
+struct Conditional {
+    condition: Formula,
+    atom: AtomId,
+}
+
+struct Exploration<'a, 'b> {
+    world: &'a World<'b>,
+    found: Reached<'b>,
+    queue: Vec<(usize, Box<[ObjectId]>)>,
+    waiting: Vec<(Instance, Formula)>,
+    conditional: Vec<Conditional>,
+    rules_seen: FxHashSet<(u32, Box<[ObjectId]>)>,
+}
+
+/// Runs the fixpoint.
+pub(super) fn reach<'b>(
+    world: &World<'b>,
+    attachments: &'b dyn Attachments,
+    limits: &GroundingLimits<'_>,
+) -> Result<Reached<'b>, GroundingError> {
+    let mut exploration = Exploration::new(world, attachments);
+    let mut candidates = exploration.without_changing_conditions();
+    let mut head = 0;
+    loop {
+        while head < exploration.queue.len() {
+            if head.is_multiple_of(256) {
+                limits.check()?;
+            }
+            exploration.join_atom(head, &mut candidates);
+            head += 1;
+        }
+        if candidates.is_empty() && !exploration.wake() {
+            break;
+        }
+        exploration.admit(std::mem::take(&mut candidates))?;
+        if exploration.found.instances.len() > limits.operators {
+            return Err(GroundingError::TooManyOperators {
+                limit: limits.operators,
+            });
+        }
+        exploration.wake();
+        limits.check()?;
+    }
+    Ok(exploration.found)
+}
+
+impl<'a, 'b> Exploration<'a, 'b> {
+    fn new(world: &'a World<'b>, attachments: &'b dyn Attachments) -> Self {
+        let mut schemas = Vec::new();
+        for (index, action) in world.domain.actions.iter().enumerate() {
+            schemas.push(Schema::of_action(world, index as u32, action));
+        }
+        for rule in &world.domain.derived {
+            schemas.push(Schema::of_rule(world, rule));
+        }
+        let predicates = &world.domain.predicates;
+        let mut exploration = Self {
+            world,
+            found: Reached {
+                schemas,
+                relations: predicates
+                    .iter()
+                    .map(|p| Relation::new(p.parameters.len()))
+                    .collect(),
+                symbols: Symbols::default(),
+                costs: Costs::new(world, attachments),
+                instances: Vec::new(),
+            },
+            queue: Vec::new(),
+            waiting: Vec::new(),
+            conditional: Vec::new(),
+            rules_seen: FxHashSet::default(),
+        };
+        for atom in &world.problem.facts {
+            let predicate = atom.predicate.index();
+            if world.changing_predicate[predicate] {
+                exploration.reach_atom(predicate, atom.arguments.as_slice().into());
+            } else {
+                exploration.found.relations[predicate].insert(&atom.arguments, 0);
+            }
+        }
+        for timed in &world.problem.timed {
+            if let TimedChange::Add(atom) = &timed.change {
+                exploration.reach_atom(atom.predicate.index(), atom.arguments.as_slice().into());
+            }
+        }
+        exploration
+    }
+
+    fn reach_atom(&mut self, predicate: usize, arguments: Box<[ObjectId]>) {
+        let sequence = self.queue.len() as u32 + 1;
+        if self.found.relations[predicate].insert(&arguments, sequence) {
+            self.queue.push((predicate, arguments));
+        }
+    }
+
+    /// Instantiations of the schemas that need no atom of a changing predicate.
+    fn without_changing_conditions(&self) -> Vec<(u32, Box<[ObjectId]>)> {
+        let mut candidates = Vec::new();
+        for (index, schema) in self.found.schemas.iter().enumerate() {
+            let changing = |p: usize| self.world.changing_predicate[p];
+            if schema
+                .join
+                .iter()
+                .any(|atom| changing(atom.predicate.index()))
+            {
+                continue;
+            }
+            instantiate(schema, &self.found.relations, None, &mut |arguments| {
+                candidates.push((index as u32, arguments.into()));
+            });
+        }
+        candidates
+    }
+
+    fn join_atom(&self, head: usize, candidates: &mut Vec<(u32, Box<[ObjectId]>)>) {
+        let (predicate, tuple) = &self.queue[head];
+        for (index, schema) in self.found.schemas.iter().enumerate() {
+            for (position, atom) in schema.join.iter().enumerate() {
+                if atom.predicate.index() != *predicate {
+                    continue;
+                }
+                let trigger = Trigger {
+                    position,
+                    sequence: head as u32 + 1,
+                    tuple,
+                };
+                instantiate(
+                    schema,
+                    &self.found.relations,
+                    Some(trigger),
+                    &mut |arguments| candidates.push((index as u32, arguments.into())),
+                );
+            }
+        }
+    }
+
+    /// Evaluates static conditions, durations and attachments; twice, because the first pass only
+    /// collects the calls whose values are missing.
+    fn admit(&mut self, candidates: Vec<(u32, Box<[ObjectId]>)>) -> Result<(), GroundingError> {
+        let mut open = candidates;
+        while !open.is_empty() {
+            let mut later = Vec::new();
+            for (schema, arguments) in open {
+                let (incomplete, verdict) = self.examine(schema, &arguments);
+                if incomplete && verdict.is_some() {
+                    later.push((schema, arguments));
+                } else if let Some((duration, formula)) = verdict {
+                    let instance = Instance {
+                        schema,
+                        arguments,
+                        duration,
+                    };
+                    self.enter(instance, formula);
+                }
+            }
+            self.found.costs.evaluate(self.world)?;
+            open = later;
+        }
+        Ok(())
+    }
+
+    /// Duration and non-atomic condition of a candidate; `None` if it can never apply.
+    fn examine(
+        &mut self,
+        schema: u32,
+        arguments: &[ObjectId],
+    ) -> (bool, Option<(Option<Duration>, Formula)>) {
+        let world = self.world;
+        let Reached {
+            schemas,
+            relations,
+            symbols,
+            costs,
+            ..
+        } = &mut self.found;
+        let schema = &schemas[schema as usize];
+        let action = || instance_name(world, schema, arguments);
+        let mut instantiation = Instantiation {
+            world,
+            relations,
+            symbols,
+            costs,
+            duration: None,
+            action: &action,
+            incomplete: false,
+        };
+        let mut bindings = arguments.to_vec();
+        let mut duration = None;
+        if let Origin::Action(_, definition) = schema.origin {
+            match action_duration(&mut instantiation, definition, &bindings) {
+                Ok(found) => duration = found,
+                Err(()) => return (false, None),
+            }
+            if let Some(Duration::Fixed(value)) = duration {
+                instantiation.duration = Some(value);
+            }
+            collect_effect_calls(&mut instantiation, definition, &mut bindings);
+        }
+        let mut parts = Vec::with_capacity(schema.rest.len());
+        for condition in &schema.rest {
+            let formula = instantiation.condition(condition, true, &mut bindings);
+            if formula == Formula::False {
+                return (instantiation.incomplete, None);
+            }
+            parts.push(formula);
+        }
+        (
+            instantiation.incomplete,
+            Some((duration, gather(parts, true))),
+        )
+    }
+
+    fn enter(&mut self, instance: Instance, formula: Formula) {
+        if self.possible(&formula) {
+            self.accept(instance);
+        } else {
+            self.waiting.push((instance, formula));
+        }
+    }
+
+    fn possible(&self, formula: &Formula) -> bool {
+        let symbols = &self.found.symbols;
+        let relations = &self.found.relations;
+        formula.possible(&|atom| {
+            let (predicate, arguments) = &symbols.atoms[atom.index()];
+            relations[predicate.index()].contains(arguments)
+        })
+    }
+
+    /// Admits waiting instances and conditional effects whose conditions can hold by now.
+    fn wake(&mut self) -> bool {
+        let mut woke = false;
+        for (instance, formula) in std::mem::take(&mut self.waiting) {
+            if self.possible(&formula) {
+                self.accept(instance);
+                woke = true;
+            } else {
+                self.waiting.push((instance, formula));
+            }
+        }
+        for effect in std::mem::take(&mut self.conditional) {
+            if self.possible(&effect.condition) {
+                let (predicate, arguments) = self.found.symbols.atoms[effect.atom.index()].clone();
+                self.reach_atom(predicate.index(), arguments);
+                woke = true;
+            } else {
+                self.conditional.push(effect);
+            }
+        }
+        woke
+    }
+
+    fn accept(&mut self, instance: Instance) {
+        let schema = &self.found.schemas[instance.schema as usize];
+        match schema.origin {
+            Origin::Rule(rule) => {
+                if self
+                    .rules_seen
+                    .insert((instance.schema, instance.arguments.clone()))
+                {
+                    self.reach_atom(rule.predicate.index(), instance.arguments.clone());
+                    self.found.instances.push(instance);
+                }
+            }
+            Origin::Action(_, definition) => {
+                let mut bindings = instance.arguments.to_vec();
+                for (_, effect) in &definition.effects {
+                    self.reach_effect(effect, instance.schema, None, &mut bindings);
+                }
+                self.found.instances.push(instance);
+            }
+        }
+    }
+
+    fn reach_effect(
+        &mut self,
+        effect: &Effect,
+        schema: u32,
+        guard: Option<&Formula>,
+        bindings: &mut Vec<ObjectId>,
+    ) {
+        match &effect.kind {
+            EffectKind::And(parts) => {
+                for part in parts {
+                    self.reach_effect(part, schema, guard, bindings);
+                }
+            }
+            EffectKind::Forall(variables, body) => {
+                let world = self.world;
+                for_all_bindings(world, variables, bindings, &mut |bindings| {
+                    self.reach_effect(body, schema, guard, bindings);
+                });
+            }
+            EffectKind::When(condition, body) => {
+                let inner = self.guard(&[condition], schema, guard, bindings);
+                self.reach_effect(body, schema, Some(&inner), bindings);
+            }
+            EffectKind::TimedWhen(conditions, body) => {
+                let conditions: Vec<&Condition> = conditions.iter().map(|(_, c)| c).collect();
+                let inner = self.guard(&conditions, schema, guard, bindings);
+                self.reach_effect(body, schema, Some(&inner), bindings);
+            }
+            EffectKind::Add(atom) => {
+                let arguments = World::bind(&atom.arguments, bindings);
+                match guard {
+                    Some(formula) if !self.possible(formula) => {
+                        if *formula != Formula::False {
+                            let atom = self.found.symbols.atom(atom.predicate, arguments);
+                            self.conditional.push(Conditional {
+                                condition: formula.clone(),
+                                atom,
+                            });
+                        }
+                    }
+                    _ => self.reach_atom(atom.predicate.index(), arguments),
+                }
+            }
+            EffectKind::Delete(_) | EffectKind::Assign(..) | EffectKind::Module(_) => {}
+        }
+    }
+
+    fn guard(
+        &mut self,
+        conditions: &[&Condition],
+        schema: u32,
+        outer: Option<&Formula>,
+        bindings: &mut Vec<ObjectId>,
+    ) -> Formula {
+        let world = self.world;
+        let Reached {
+            schemas,
+            relations,
+            symbols,
+            costs,
+            ..
+        } = &mut self.found;
+        let schema = &schemas[schema as usize];
+        let action = || instance_name(world, schema, &[]);
+        let mut instantiation = Instantiation {
+            world,
+            relations,
+            symbols,
+            costs,
+            duration: None,
+            action: &action,
+            incomplete: false,
+        };
+        let mut parts: Vec<Formula> = outer.cloned().into_iter().collect();
+        for condition in conditions {
+            parts.push(instantiation.condition(condition, true, bindings));
+        }
+        gather(parts, true)
+    }
+}
+
+/// `action argument ...` of an instance, for messages.
+pub(super) fn instance_name(
+    world: &World<'_>,
+    schema: &Schema<'_>,
+    arguments: &[ObjectId],
+) -> String {
+    let mut text = match schema.origin {
+        Origin::Action(_, action) => action.name.text.clone(),
+        Origin::Rule(rule) => world.domain.predicates[rule.predicate.index()]
+            .name
+            .text
+            .clone(),
+    };
+    for object in arguments {
+        text.push(' ');
+        text.push_str(&world.problem.objects[object.index()].name.text);
+    }
+    text
+}
+
+/// The duration of an instance; `Err` if it has none (undefined, infinite, negative, empty interval).
+fn action_duration(
+    instantiation: &mut Instantiation<'_, '_>,
+    action: &Action,
+    bindings: &[ObjectId],
+) -> Result<Option<Duration>, ()> {
+    let Some(constraints) = &action.duration else {
+        return Ok(None);
+    };
+    let mut lower: Option<GroundExpression> = None;
+    let mut upper: Option<GroundExpression> = None;
+    for constraint in constraints {
+        let bound = instantiation
+            .expression(&constraint.bound, bindings)
+            .ok_or(())?;
+        match constraint.comparison {
+            Comparison::Equal => {
+                tighten(&mut lower, bound.clone(), f64::max)?;
+                tighten(&mut upper, bound, f64::min)?;
+            }
+            Comparison::Less | Comparison::LessEqual => tighten(&mut upper, bound, f64::min)?,
+            Comparison::Greater | Comparison::GreaterEqual => {
+                tighten(&mut lower, bound, f64::max)?;
+            }
+        }
+    }
+    let lower = lower.unwrap_or(GroundExpression::Constant(0.0));
+    let upper = upper.unwrap_or(GroundExpression::Constant(f64::INFINITY));
+    if let (GroundExpression::Constant(low), GroundExpression::Constant(high)) = (&lower, &upper) {
+        let low = low.max(0.0);
+        if low > *high {
+            return Err(());
+        }
+        if low == *high {
+            return Ok(Some(Duration::Fixed(low)));
+        }
+        return Ok(Some(Duration::Bounds(
+            GroundExpression::Constant(low),
+            upper,
+        )));
+    }
+    Ok(Some(Duration::Bounds(lower, upper)))
+}
+
+fn tighten(
+    bound: &mut Option<GroundExpression>,
+    other: GroundExpression,
+    pick: fn(f64, f64) -> f64,
+) -> Result<(), ()> {
+    *bound = Some(match (bound.take(), other) {
+        (Some(GroundExpression::Constant(left)), GroundExpression::Constant(right)) => {
+            GroundExpression::Constant(pick(left, right))
+        }
+        (None, other) => other,
+        // Two bounds on one side of which one depends on the state: neither is known to be tighter.
+        (Some(_), _) => return Err(()),
+    });
+    Ok(())
+}
+
+/// Makes the attachments that effects and their conditions mention part of the batch.
+fn collect_effect_calls(
+    instantiation: &mut Instantiation<'_, '_>,
+    action: &Action,
+    bindings: &mut Vec<ObjectId>,
+) {
+    if instantiation.world.domain.modules.is_empty() {
+        return;
+    }
+    for (_, effect) in &action.effects {
+        effect_calls(instantiation, effect, bindings);
+    }
+}
+
+fn effect_calls(
+    instantiation: &mut Instantiation<'_, '_>,
+    effect: &Effect,
+    bindings: &mut Vec<ObjectId>,
+) {
+    match &effect.kind {
+        EffectKind::And(parts) => parts
+            .iter()
+            .for_each(|part| effect_calls(instantiation, part, bindings)),
+        EffectKind::Forall(variables, body) => {
+            let world = instantiation.world;
+            for_all_bindings(world, variables, bindings, &mut |bindings| {
+                effect_calls(instantiation, body, bindings);
+            });
+        }
+        EffectKind::When(condition, body) => {
+            instantiation.condition(condition, true, bindings);
+            effect_calls(instantiation, body, bindings);
+        }
+        EffectKind::TimedWhen(conditions, body) => {
+            for (_, condition) in conditions {
+                instantiation.condition(condition, true, bindings);
+            }
+            effect_calls(instantiation, body, bindings);
+        }
+        EffectKind::Assign(_, _, expression) => {
+            instantiation.expression(expression, bindings);
+        }
+        EffectKind::Add(_) | EffectKind::Delete(_) | EffectKind::Module(_) => {}
+    }
+}

@@ -1,0 +1,122 @@
+//! What stays the same while grounding: type members, static facts, static fluents.
+
+use rustc_hash::FxHashMap;
+
+use crate::pddl::model::{
+    Domain, Effect, EffectKind, FunctionId, ObjectId, Parameter, Problem, Term, TimedChange, TypeId,
+};
+
+/// The domain and problem with the tables that grounding looks things up in.
+pub(super) struct World<'a> {
+    pub(super) domain: &'a Domain,
+    pub(super) problem: &'a Problem,
+    /// Whether an effect, a timed initial literal or a derived rule can change the predicate.
+    pub(super) changing_predicate: Vec<bool>,
+    /// Whether an effect, a module or a timed assignment can change the function.
+    pub(super) changing_function: Vec<bool>,
+    /// Initial values.
+    pub(super) values: FxHashMap<(FunctionId, Box<[ObjectId]>), f64>,
+    members: Vec<Vec<bool>>,
+}
+
+impl<'a> World<'a> {
+    pub(super) fn new(domain: &'a Domain, problem: &'a Problem) -> Self {
+        let mut world = Self {
+            domain,
+            problem,
+            changing_predicate: domain.predicates.iter().map(|p| p.derived).collect(),
+            changing_function: vec![false; domain.functions.len()],
+            values: problem
+                .fluents
+                .iter()
+                .map(|(term, value)| ((term.function, term.arguments.as_slice().into()), *value))
+                .collect(),
+            members: type_members(domain, problem),
+        };
+        for rule in &domain.derived {
+            world.changing_predicate[rule.predicate.index()] = true;
+        }
+        for action in &domain.actions {
+            for (_, effect) in &action.effects {
+                world.mark_changes(effect);
+            }
+        }
+        for timed in &problem.timed {
+            match &timed.change {
+                TimedChange::Add(atom) | TimedChange::Delete(atom) => {
+                    world.changing_predicate[atom.predicate.index()] = true;
+                }
+                TimedChange::Assign(term, _) => {
+                    world.changing_function[term.function.index()] = true;
+                }
+            }
+        }
+        world
+    }
+
+    fn mark_changes(&mut self, effect: &Effect) {
+        match &effect.kind {
+            EffectKind::And(parts) => parts.iter().for_each(|part| self.mark_changes(part)),
+            EffectKind::Forall(_, body)
+            | EffectKind::When(_, body)
+            | EffectKind::TimedWhen(_, body) => self.mark_changes(body),
+            EffectKind::Add(atom) | EffectKind::Delete(atom) => {
+                self.changing_predicate[atom.predicate.index()] = true;
+            }
+            EffectKind::Assign(_, term, _) => {
+                self.changing_function[term.function.index()] = true;
+            }
+            EffectKind::Module(call) => {
+                for term in &self.domain.modules[call.module.index()].writes {
+                    self.changing_function[term.function.index()] = true;
+                }
+            }
+        }
+    }
+
+    /// Whether an object may be bound to a parameter.
+    pub(super) fn admits(&self, parameter: &Parameter, object: ObjectId) -> bool {
+        parameter
+            .types
+            .iter()
+            .any(|kind| self.members[kind.index()][object.index()])
+    }
+
+    /// All objects that may be bound to a parameter.
+    pub(super) fn candidates(&self, parameter: &Parameter) -> Vec<ObjectId> {
+        (0..self.problem.objects.len() as u32)
+            .map(ObjectId)
+            .filter(|&object| self.admits(parameter, object))
+            .collect()
+    }
+
+    /// Replaces bound variables.
+    pub(super) fn bind(terms: &[Term], bindings: &[ObjectId]) -> Box<[ObjectId]> {
+        terms
+            .iter()
+            .map(|term| Self::value_of(*term, bindings))
+            .collect()
+    }
+
+    /// The object that a term stands for.
+    pub(super) fn value_of(term: Term, bindings: &[ObjectId]) -> ObjectId {
+        match term {
+            Term::Variable(variable) => bindings[variable.index()],
+            Term::Object(object) => object,
+        }
+    }
+}
+
+fn type_members(domain: &Domain, problem: &Problem) -> Vec<Vec<bool>> {
+    let mut members = vec![vec![false; problem.objects.len()]; domain.types.len()];
+    for (index, object) in problem.objects.iter().enumerate() {
+        let mut open: Vec<TypeId> = object.types.clone();
+        open.push(TypeId(0));
+        while let Some(kind) = open.pop() {
+            if !std::mem::replace(&mut members[kind.index()][index], true) {
+                open.extend(&domain.types[kind.index()].parents);
+            }
+        }
+    }
+    members
+}
