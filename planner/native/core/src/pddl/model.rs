@@ -71,6 +71,8 @@ pub struct Domain {
     pub actions: Vec<Action>,
     /// `(:derived ...)` rules, in the order written.
     pub derived: Vec<DerivedRule>,
+    /// `(:oplinit f@lib)` of PDDL/M: called once when the actions are known.
+    pub action_initialiser: Option<Name>,
 }
 
 /// A type and its direct supertypes (more than one only through `either`).
@@ -82,7 +84,7 @@ pub struct TypeDeclaration {
     pub parents: Vec<TypeId>,
 }
 
-/// A constant or object; several types mean `either`.
+/// A constant or object; it belongs to each of its types (`either`, or declared more than once).
 #[derive(Clone, Debug)]
 pub struct ObjectDeclaration {
     /// Its name.
@@ -424,6 +426,8 @@ pub struct Problem {
     pub metric: Option<Metric>,
     /// `(:moduleoptions (f@lib arg ...))`: the call and its arguments as written.
     pub module_options: Vec<(Name, Vec<Name>)>,
+    /// `(:moduleexitoptions (f@lib arg ...))`: called with every accepted plan.
+    pub module_exit_options: Vec<(Name, Vec<Name>)>,
 }
 
 /// A ground atom.
@@ -479,4 +483,18 @@ pub struct Metric {
     pub expression: Expression,
     /// The whole metric.
     pub span: Span,
+}
+
+impl Comparison {
+    /// The comparison with its sides exchanged: `a < b` is `b > a`.
+    #[must_use]
+    pub const fn mirrored(self) -> Self {
+        match self {
+            Self::Less => Self::Greater,
+            Self::LessEqual => Self::GreaterEqual,
+            Self::Equal => Self::Equal,
+            Self::GreaterEqual => Self::LessEqual,
+            Self::Greater => Self::Less,
+        }
+    }
 }
