@@ -1,9 +1,267 @@
 //! Conversions between NumPy arrays and the kernels; nothing else lives here.
+//!
+//! Arrays of a map have shape (height, width), row 0 at the bottom; a cell is `row * width + column`.
 
+use std::sync::Arc;
+
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+
+use crate::line_of_sight;
+use crate::one_to_all;
+use crate::reach;
+use crate::shape::Shape;
+use crate::traversability;
+
+/// The known map as one class of robots sees it, with blockades that can be opened one by one.
+#[pyclass(frozen, module = "semantic_attachments._core")]
+struct Traversability {
+    map: Arc<traversability::Traversability>,
+}
+
+/// The shortest-path tree of one cell.
+#[pyclass(frozen, module = "semantic_attachments._core")]
+struct Field {
+    field: one_to_all::Field,
+}
+
+fn cells<T: numpy::Element + Copy>(array: &PyReadonlyArray2<'_, T>) -> Vec<T> {
+    array.as_array().iter().copied().collect()
+}
+
+fn check(ok: bool, message: &str) -> PyResult<()> {
+    if ok {
+        Ok(())
+    } else {
+        Err(PyValueError::new_err(message.to_owned()))
+    }
+}
+
+impl Traversability {
+    fn check_cell(&self, cell: u32) -> PyResult<()> {
+        check(
+            (cell as usize) < self.map.shape.len(),
+            "a cell is outside of the map",
+        )
+    }
+
+    fn check_opened(&self, opened: &[usize]) -> PyResult<()> {
+        let known = opened
+            .iter()
+            .all(|&blockade| blockade < self.map.blockade_count());
+        check(known, "an opened blockade is not in the map")
+    }
+}
+
+#[pymethods]
+impl Traversability {
+    #[new]
+    #[pyo3(signature = (solid, forbidden, radius_cells, multiplier=None, blockades=Vec::new()))]
+    fn new(
+        py: Python<'_>,
+        solid: PyReadonlyArray2<'_, bool>,
+        forbidden: PyReadonlyArray2<'_, bool>,
+        radius_cells: f64,
+        multiplier: Option<PyReadonlyArray2<'_, f32>>,
+        blockades: Vec<Vec<u32>>,
+    ) -> PyResult<Self> {
+        let [height, width] = [solid.shape()[0], solid.shape()[1]];
+        let shape = Shape { height, width };
+        check(!shape.is_empty(), "the map has no cells")?;
+        check(
+            shape.len() < u32::MAX as usize,
+            "the map has more than 2^32 - 2 cells",
+        )?;
+        check(
+            forbidden.shape() == solid.shape(),
+            "`forbidden` has another shape than `solid`",
+        )?;
+        check(
+            radius_cells.is_finite() && radius_cells >= 0.0,
+            "`radius_cells` is not a length",
+        )?;
+        if let Some(factors) = &multiplier {
+            check(
+                factors.shape() == solid.shape(),
+                "`multiplier` has another shape than `solid`",
+            )?;
+            let valid = factors
+                .as_array()
+                .iter()
+                .all(|&factor| (1.0..=1e4).contains(&factor));
+            check(valid, "a multiplier is not between 1 and 10000")?;
+        }
+        let inside = blockades
+            .iter()
+            .flatten()
+            .all(|&cell| (cell as usize) < shape.len());
+        check(inside, "a cell of a blockade is outside of the map")?;
+        let (solid, forbidden) = (cells(&solid), cells(&forbidden));
+        let multiplier = multiplier.as_ref().map(cells);
+        let map = py.detach(|| {
+            traversability::Traversability::new(
+                shape,
+                solid,
+                &forbidden,
+                radius_cells,
+                multiplier,
+                blockades,
+            )
+        });
+        Ok(Self { map: Arc::new(map) })
+    }
+
+    /// (height, width) of the map.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        (self.map.shape.height, self.map.shape.width)
+    }
+
+    /// (height, width) bool: where a robot's centre may be if there were no blockades.
+    fn open<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<bool>>> {
+        let (height, width) = self.shape();
+        self.map
+            .open()
+            .to_vec()
+            .into_pyarray(py)
+            .reshape([height, width])
+    }
+
+    /// (height, width) bool: where a robot's centre may be with the given blockades opened.
+    #[pyo3(signature = (opened=Vec::new()))]
+    fn passable<'py>(
+        &self,
+        py: Python<'py>,
+        opened: Vec<usize>,
+    ) -> PyResult<Bound<'py, PyArray2<bool>>> {
+        self.check_opened(&opened)?;
+        let (height, width) = self.shape();
+        let map = &self.map;
+        let passable: Vec<bool> = py.detach(|| {
+            (0..map.shape.len() as u32)
+                .map(|cell| map.passable(cell, &opened))
+                .collect()
+        });
+        passable.into_pyarray(py).reshape([height, width])
+    }
+
+    /// (n,) uint32: the cells a blockade covers once inflated, ascending.
+    fn stamp<'py>(&self, py: Python<'py>, blockade: usize) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.check_opened(&[blockade])?;
+        Ok(self.map.stamp(blockade).to_vec().into_pyarray(py))
+    }
+
+    /// The nearest cell a robot's centre may be in and its distance [cells], or None within the limit.
+    fn nearest(
+        &self,
+        cell: u32,
+        opened: Vec<usize>,
+        limit_cells: f64,
+    ) -> PyResult<Option<(u32, f64)>> {
+        self.check_cell(cell)?;
+        self.check_opened(&opened)?;
+        Ok(self.map.nearest_passable(cell, &opened, limit_cells))
+    }
+
+    /// Distances from one cell to all others with the given blockades opened.
+    #[pyo3(signature = (source, opened=Vec::new()))]
+    fn field(&self, py: Python<'_>, source: u32, opened: Vec<usize>) -> PyResult<Field> {
+        self.check_cell(source)?;
+        self.check_opened(&opened)?;
+        let map = &self.map;
+        let field = py.detach(|| {
+            let moves = map.moves(&opened);
+            one_to_all::one_to_all(map.shape, &moves, map.multiplier.as_deref(), source)
+        });
+        Ok(Field { field })
+    }
+
+    /// Distance and cells to `goal` with `opened` open, from a field grown with a subset of them open.
+    fn reach<'py>(
+        &self,
+        py: Python<'py>,
+        field: &Field,
+        goal: u32,
+        opened: Vec<usize>,
+    ) -> PyResult<(f64, Bound<'py, PyArray1<u32>>)> {
+        self.check_cell(goal)?;
+        self.check_opened(&opened)?;
+        check(
+            field.field.shape == self.map.shape,
+            "the field belongs to a map of another shape",
+        )?;
+        let (distance, path) = reach::reach(&self.map, &field.field, goal, &opened);
+        Ok((distance, path.into_pyarray(py)))
+    }
+
+    /// The cells of a path between which there is no line of sight; (n,) to (m,) uint32.
+    #[pyo3(signature = (path, opened=Vec::new()))]
+    fn way_points<'py>(
+        &self,
+        py: Python<'py>,
+        path: Vec<u32>,
+        opened: Vec<usize>,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        path.iter().try_for_each(|&cell| self.check_cell(cell))?;
+        self.check_opened(&opened)?;
+        let passable = |cell| self.map.passable(cell, &opened);
+        Ok(line_of_sight::way_points(self.map.shape, &path, passable).into_pyarray(py))
+    }
+}
+
+impl Field {
+    fn check_cell(&self, cell: u32) -> PyResult<()> {
+        check(
+            (cell as usize) < self.field.shape.len(),
+            "a cell is outside of the map",
+        )
+    }
+}
+
+#[pymethods]
+impl Field {
+    /// The cell the distances are from.
+    #[getter]
+    fn source(&self) -> u32 {
+        self.field.source
+    }
+
+    /// (height, width) float64: distance of each cell [cells], infinite where there is no path.
+    fn distances<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let shape = self.field.shape;
+        self.field
+            .distances
+            .clone()
+            .into_pyarray(py)
+            .reshape([shape.height, shape.width])
+    }
+
+    /// Distance of one cell [cells].
+    fn distance(&self, cell: u32) -> PyResult<f64> {
+        self.check_cell(cell)?;
+        Ok(self.field.distances[cell as usize])
+    }
+
+    /// (n,) uint32: the cells from the source to a goal, empty if there is no path.
+    fn path_to<'py>(&self, py: Python<'py>, goal: u32) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.check_cell(goal)?;
+        Ok(self.field.path_to(goal).into_pyarray(py))
+    }
+
+    /// Memory the field holds [bytes].
+    #[getter]
+    fn nbytes(&self) -> usize {
+        self.field.distances.len() * 8 + self.field.steps.len()
+    }
+}
 
 /// The extension module `semantic_attachments._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<Traversability>()?;
+    module.add_class::<Field>()
 }

@@ -1,0 +1,92 @@
+"""Attachments that the grid answers: travel, clearing, docking (Wurm, sections 3.4.1, 3.5.1).
+
+```
+(:modules
+  (pathCost ?r - robot ?s - location ?g - location cost pathCost@libgrid.so)
+  (clearCost ?r - robot ?b - blockade cost clearCost@libgrid.so)
+  (dockCost ?e - rover ?c - carrier cost dockCost@libgrid.so)
+  (undockCost ?e - rover ?c - carrier cost undockCost@libgrid.so))
+```
+
+Values are seconds; infinite means that there is no way.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf
+
+from semantic_attachments.contract import Attachment, AttachmentError, Evaluator, Memory, Parameter
+from semantic_attachments.path_costs import PathCosts
+from semantic_attachments.world import RobotModel, World
+
+
+def path_costs(world: World, memory: Memory) -> PathCosts:
+    """The path costs of a world, taking over from the memory what the change left valid."""
+    kept = memory.get("grid", PathCosts)
+    costs = PathCosts(world) if kept is None else kept.after(world)
+    memory.keep("grid", costs)
+    return costs
+
+
+@dataclass(frozen=True, slots=True)
+class Single:
+    """An evaluator whose batch form is the single form again and again."""
+
+    function: Callable[..., float]
+
+    def __call__(self, *arguments: str) -> float:
+        return self.function(*arguments)
+
+    def many(self, calls: Sequence[tuple[str, ...]]) -> list[float]:
+        return [self.function(*call) for call in calls]
+
+
+def _robot(world: World, name: str) -> RobotModel:
+    model = world.robots.get(name)
+    if model is None:
+        raise AttachmentError(f"the world has no robot {name!r}")
+    return model
+
+
+def _clear_cost(world: World, _: Memory) -> Evaluator:
+    def clear_cost(robot: str, blockade: str) -> float:
+        model = _robot(world, robot)
+        location = world.locations.get(blockade)
+        known = world.blockades.get(blockade if location is None else location.blockade or blockade)
+        if known is None:
+            return inf
+        return known.clear_duration_s / model.clear_speed_factor
+
+    return Single(clear_cost)
+
+
+def _dock_cost(world: World, _: Memory) -> Evaluator:
+    return Single(lambda rover, _carrier: _robot(world, rover).dock_duration_s)
+
+
+def _undock_cost(world: World, _: Memory) -> Evaluator:
+    return Single(lambda rover, _carrier: _robot(world, rover).undock_duration_s)
+
+
+_ROVER_AND_CARRIER = (Parameter("rover", "robot"), Parameter("carrier", "robot"))
+
+ATTACHMENTS = (
+    Attachment(
+        name="pathCost",
+        parameters=(
+            Parameter("robot", "robot"),
+            Parameter("from", "location"),
+            Parameter("to", "location"),
+        ),
+        bind=path_costs,
+        thread_safe=True,
+    ),
+    Attachment(
+        name="clearCost",
+        parameters=(Parameter("robot", "robot"), Parameter("blockade", "blockade")),
+        bind=_clear_cost,
+        thread_safe=True,
+    ),
+    Attachment("dockCost", _ROVER_AND_CARRIER, _dock_cost, thread_safe=True),
+    Attachment("undockCost", _ROVER_AND_CARRIER, _undock_cost, thread_safe=True),
+)

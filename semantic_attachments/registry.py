@@ -1,0 +1,126 @@
+"""Finds attachments by name: those that installed packages declare in the entry point group.
+
+PDDL/M's `name@libfoo.so` and plain `name@package.module:attribute` both resolve by the name in
+front of `@`: a problem never decides what code is loaded.
+"""
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Protocol, runtime_checkable
+
+from semantic_attachments.contract import Attachment, AttachmentError, Evaluator, Kind, Memory
+from semantic_attachments.world import World
+
+GROUP = "marsupial.attachments"
+
+
+@runtime_checkable
+class HasModules(Protocol):
+    """A domain, as far as binding is concerned."""
+
+    @property
+    def modules(self) -> Iterable[Any]:
+        """Its modules: names, or objects with `name` and optionally `call`."""
+
+
+@cache
+def installed() -> Mapping[str, Attachment]:
+    """Attachments by lower-case name: the entry points of the group and this package's own.
+
+    Raises:
+        AttachmentError: if two packages declare the same name, or one declares something else.
+    """
+    found: dict[str, tuple[Attachment, str]] = {}
+    for point in sorted(_entry_points(), key=lambda point: (point.name, point.value)):
+        for attachment in _load(point):
+            name = attachment.name.lower()
+            if name in found and found[name][0] is not attachment:
+                raise AttachmentError(
+                    f"attachment {attachment.name} is declared by both {found[name][1]} and "
+                    f"{point.value}; uninstall one or rename it"
+                )
+            found[name] = (attachment, point.value)
+    return {name: attachment for name, (attachment, _) in found.items()}
+
+
+def _entry_points() -> set[EntryPoint]:
+    # The package's own attachments are there even when it runs from a source tree.
+    own = EntryPoint("grid", "semantic_attachments.grid:ATTACHMENTS", GROUP)
+    return {own, *entry_points(group=GROUP)}
+
+
+def _load(point: EntryPoint) -> tuple[Attachment, ...]:
+    try:
+        loaded = point.load()
+    except (ImportError, AttributeError) as error:
+        raise AttachmentError(f"entry point {point.name} ({point.value}): {error}") from error
+    attachments = (loaded,) if isinstance(loaded, Attachment) else tuple(loaded)
+    for attachment in attachments:
+        if not isinstance(attachment, Attachment):
+            raise AttachmentError(f"{point.value} holds {attachment!r}, which is no Attachment")
+    return attachments
+
+
+def resolve(call: str, attachments: Iterable[Attachment] = ()) -> Attachment:
+    """The attachment a module's call string means; those given take precedence over installed ones.
+
+    Args:
+        call: `name`, `name@libfoo.so` or `name@package.module:attribute`.
+
+    Raises:
+        AttachmentError: listing the known names if none fits.
+    """
+    known = {**installed(), **{attachment.name.lower(): attachment for attachment in attachments}}
+    name = call.partition("@")[0]
+    attachment = known.get(name.lower())
+    if attachment is None:
+        names = ", ".join(sorted(attachment.name for attachment in known.values()))
+        raise AttachmentError(
+            f"no attachment is called {name!r} (from {call!r}); known are {names}. "
+            f"Declare yours in the entry point group {GROUP!r} or pass it in"
+        )
+    return attachment
+
+
+def bind(
+    modules: HasModules | Iterable[str],
+    world: World,
+    *,
+    attachments: Iterable[Attachment] = (),
+    memory: Memory | None = None,
+) -> dict[str, Evaluator]:
+    """What `planner.solve(attachments=...)` takes: an evaluator for each module.
+
+    Args:
+        modules: a domain, or the call strings or names of modules.
+        attachments: further attachments, for those that are not installed.
+        memory: that of the mission, so that values survive from one problem to the next.
+
+    Raises:
+        AttachmentError: if a module resolves to nothing, or to another kind than the domain
+        declares.
+    """
+    memory = Memory() if memory is None else memory
+    given = tuple(attachments)
+    listed = modules.modules if isinstance(modules, HasModules) else modules
+    bound = {}
+    for module in listed:
+        name, call, kind = _describe(module)
+        attachment = resolve(call, given)
+        if kind is not None and kind is not attachment.kind:
+            raise AttachmentError(
+                f"module {name} is declared as {kind}, but it is a {attachment.kind}"
+            )
+        bound[name] = attachment.bind(world, memory)
+    return bound
+
+
+def _describe(module: Any) -> tuple[str, str, Kind | None]:
+    if isinstance(module, str):
+        return module.partition("@")[0], module, None
+    name = str(module.name)
+    kind = getattr(module, "kind", None)
+    if kind == "grounding":
+        raise AttachmentError(f"module {name}: modules that ground new objects are not supported")
+    return name, str(getattr(module, "call", name)), None if kind is None else Kind(str(kind))

@@ -1,0 +1,39 @@
+"""The attachments of the grid."""
+
+import math
+
+import pytest
+
+from semantic_attachments import AttachmentError, Memory, RobotModel, World, bind
+from semantic_attachments.path_costs import PathCosts
+
+NAMES = ("pathCost", "clearCost", "dockCost", "undockCost")
+
+
+def test_durations(two_rooms: World) -> None:
+    robots = {
+        "quick": RobotModel("clearer", 0.3, 1.0, clear_speed_factor=2.0),
+        "rover": RobotModel("rover", 0.2, 1.0, dock_duration_s=7.0, undock_duration_s=3.0),
+    }
+    bound = bind(NAMES, World(two_rooms.grid, two_rooms.locations, robots, two_rooms.blockades))
+    assert bound["clearCost"]("quick", "door") == 10.0
+    assert math.isinf(bound["clearCost"]("quick", "west"))
+    assert bound["dockCost"]("rover", "quick") == 7.0
+    assert bound["undockCost"].many([("rover", "quick")]) == [3.0]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_unknown_robot_is_named(two_rooms: World, name: str) -> None:
+    arguments = ("ghost", "west", "east") if name == "pathCost" else ("ghost", "door")
+    with pytest.raises(AttachmentError, match="no robot 'ghost'"):
+        bind([name], two_rooms)[name](*arguments)
+
+
+def test_a_memory_carries_path_costs_over(two_rooms: World) -> None:
+    memory = Memory()
+    first = bind(["pathCost"], two_rooms, memory=memory)["pathCost"]
+    first("robot", "west", "door")
+    second = bind(["pathCost"], two_rooms, memory=memory)["pathCost"]
+    second("robot", "west", "door")
+    assert isinstance(second, PathCosts)
+    assert (second.statistics.fields, second.statistics.kept) == (0, 1)
