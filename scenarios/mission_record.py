@@ -1,0 +1,159 @@
+"""What happened in a mission: the one source of the JSON file, the closing table and the report.
+
+Positions are metres in the map frame, times seconds since the mission began.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Activity:
+    """A robot doing one thing from `start_s` to `end_s`."""
+
+    kind: str
+    """`explore`, `move`, `clear`, `dock`, `undock`, `wait`, `docked`, `failed`"""
+    location: str | None
+    start_s: float
+    end_s: float
+
+
+@dataclass(frozen=True)
+class RobotRecord:
+    """One robot's mission."""
+
+    id: str
+    type: str
+    trail: tuple[tuple[float, float, float], ...]
+    """`(time_s, x_m, y_m)`"""
+    activities: tuple[Activity, ...]
+    distance_m: float
+
+    def spent_s(self, *kinds: str) -> float:
+        """Time spent with activities of these kinds."""
+        return sum(a.end_s - a.start_s for a in self.activities if a.kind in kinds)
+
+
+@dataclass(frozen=True)
+class TargetRecord:
+    """A target and who visited it."""
+
+    id: str
+    position_m: Point
+    visited_by: str | None = None
+    visited_at_s: float | None = None
+
+
+@dataclass(frozen=True)
+class BlockadeRecord:
+    """A blockade, known to the fleet or not."""
+
+    id: str
+    segment_m: tuple[Point, Point]
+    clear_duration_s: float
+    seen_at_s: float | None = None
+    cleared_by: str | None = None
+    cleared_at_s: float | None = None
+
+
+@dataclass(frozen=True)
+class DecisionRecord:
+    """Something the coordination decided, and why."""
+
+    time_s: float
+    revision: int
+    kind: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class PlannedStep:
+    """A step of a plan; `start_s` counts from the beginning of the mission."""
+
+    action: str
+    arguments: tuple[str, ...]
+    start_s: float
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class PlanRecord:
+    """A plan that was in force from `time_s` on."""
+
+    revision: int
+    time_s: float
+    makespan_s: float
+    """mission time at which its last step ends"""
+    validated: bool
+    steps: tuple[PlannedStep, ...]
+
+
+@dataclass(frozen=True)
+class MissionRecord:
+    """A mission from start to end."""
+
+    scenario: str
+    strategy: str
+    domain: str
+    seed: int
+    version: str
+    status: str
+    status_reason: str
+    duration_s: float
+    wall_s: float
+    map_size_m: Point
+    sealed_fraction: float
+    wall_collisions: int
+    robot_collisions: int
+    replans: int
+    robots: tuple[RobotRecord, ...]
+    targets: tuple[TargetRecord, ...]
+    blockades: tuple[BlockadeRecord, ...]
+    decisions: tuple[DecisionRecord, ...]
+    plans: tuple[PlanRecord, ...]
+
+    @property
+    def completed(self) -> bool:
+        """Whether every target was visited."""
+        return self.status == "completed"
+
+    @property
+    def targets_left(self) -> int:
+        """Targets that nobody visited."""
+        return sum(target.visited_at_s is None for target in self.targets)
+
+    @property
+    def blockades_seen(self) -> int:
+        """Blockades the fleet learned of."""
+        return sum(blockade.seen_at_s is not None for blockade in self.blockades)
+
+    @property
+    def blockades_cleared(self) -> int:
+        """Blockades that were removed."""
+        return sum(blockade.cleared_at_s is not None for blockade in self.blockades)
+
+    @property
+    def distance_m(self) -> float:
+        """What all robots drove together."""
+        return sum(robot.distance_m for robot in self.robots)
+
+    @property
+    def invalid_plans(self) -> int:
+        """Plans in force that the validator did not accept."""
+        return sum(not plan.validated for plan in self.plans)
+
+    def to_json(self) -> dict[str, Any]:
+        """A summary first, then everything."""
+        summary = {
+            "targets_left": self.targets_left,
+            "blockades_seen": self.blockades_seen,
+            "blockades_cleared": self.blockades_cleared,
+            "distance_m": round(self.distance_m, 2),
+            "plans_in_force": len(self.plans),
+            "invalid_plans": self.invalid_plans,
+        }
+        return {"completed": self.completed, **summary, **asdict(self)}
