@@ -16,3 +16,4 @@ pub mod pddl;
 pub mod plan;
 pub mod syntax;
 pub mod task;
+pub mod validate;

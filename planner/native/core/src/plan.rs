@@ -21,6 +21,17 @@ impl Step {
     }
 }
 
+impl std::fmt::Display for Step {
+    /// `(drive e1 a b)`
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "({}", self.action)?;
+        for argument in &self.arguments {
+            write!(formatter, " {argument}")?;
+        }
+        write!(formatter, ")")
+    }
+}
+
 /// A time-triggered plan, sorted by start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
