@@ -1,9 +1,31 @@
 //! Python border of the planning core: conversions, errors, attachment adapter.
+//!
+//! Everything here is called by the façade in `planner/*.py`, which holds the documentation and raises the
+//! exceptions; this module only converts.
+
+mod attachments;
+mod diagnostic;
+mod model;
+mod plan;
+mod state_view;
+mod validation;
 
 use pyo3::prelude::*;
 
 /// The extension module `planner._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<diagnostic::Diagnostic>()?;
+    module.add_class::<model::Domain>()?;
+    module.add_class::<model::Problem>()?;
+    module.add_class::<model::Module>()?;
+    module.add_class::<state_view::State>()?;
+    module.add_class::<validation::Verdict>()?;
+    module.add_function(wrap_pyfunction!(model::read_domain, module)?)?;
+    module.add_function(wrap_pyfunction!(model::read_problem, module)?)?;
+    module.add_function(wrap_pyfunction!(plan::read_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(plan::write_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(validation::validate, module)?)?;
+    Ok(())
 }

@@ -23,6 +23,7 @@ mod timeline;
 mod types;
 mod verdict;
 
+pub(crate) use resolve::Names;
 pub use timeline::Occurrence;
 pub use verdict::{Failure, Reason, Verdict};
 
@@ -103,7 +104,7 @@ fn execute(
 ) -> Result<Option<f64>, Box<Failure>> {
     let outside_time = |fault: scene::Fault| Box::new(Failure::outside_time(fault.into()));
     let scene = Scene::new(domain, problem, attachments).map_err(outside_time)?;
-    let steps = resolve::resolve(&scene, plan)?;
+    let steps = resolve::resolve(domain, problem, plan)?;
     let mut occurrences = Vec::with_capacity(2 * steps.len() + problem.timed.len());
     for (index, literal) in problem.timed.iter().enumerate() {
         occurrences.push((literal.time, Occurrence::Timed(index)));

@@ -63,7 +63,12 @@ pub enum Reason {
     /// No action of the domain has this name.
     UnknownAction(String),
     /// No object of the problem has this name.
-    UnknownObject(String),
+    UnknownObject {
+        /// Which argument, from 0.
+        position: usize,
+        /// Its name.
+        name: String,
+    },
     /// The action takes another number of arguments.
     WrongArity {
         /// Parameters of the action.
@@ -73,6 +78,8 @@ pub enum Reason {
     },
     /// An argument is not of the parameter's type.
     WrongType {
+        /// Which argument, from 0.
+        position: usize,
         /// The argument.
         argument: String,
         /// The parameter, `?r - robot`.
@@ -135,7 +142,7 @@ impl Reason {
     pub const fn code(&self) -> &'static str {
         match self {
             Self::UnknownAction(_) => "unknown-action",
-            Self::UnknownObject(_) => "unknown-object",
+            Self::UnknownObject { .. } => "unknown-object",
             Self::WrongArity { .. } => "wrong-arity",
             Self::WrongType { .. } => "wrong-type",
             Self::BadTime(_) => "bad-time",
@@ -159,7 +166,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownAction(name) => write!(formatter, "the domain has no action {name}"),
-            Self::UnknownObject(name) => write!(formatter, "the problem has no object {name}"),
+            Self::UnknownObject { name, .. } => write!(formatter, "the problem has no object {name}"),
             Self::WrongArity { expected, found } => {
                 write!(
                     formatter,
@@ -169,6 +176,7 @@ impl fmt::Display for Reason {
             Self::WrongType {
                 argument,
                 parameter,
+                ..
             } => write!(formatter, "{argument} cannot stand for {parameter}"),
             Self::BadTime(time) => write!(formatter, "{time} is no time after the start"),
             Self::MissingDuration => write!(

@@ -1,4 +1,8 @@
-//! Time-triggered plans.
+//! Time-triggered plans, and their text.
+
+mod parser;
+pub mod reader;
+pub mod writer;
 
 /// One step: an action with its start and duration.
 #[derive(Clone, Debug, PartialEq)]

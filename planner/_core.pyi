@@ -1,0 +1,159 @@
+"""The native core; the façade in `planner` documents what it does."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, final
+
+__version__: str
+
+StepTuple = tuple[float, str, list[str], float | None]
+
+@final
+class Diagnostic:
+    """One finding about a file: what, where, how to mend it."""
+
+    @property
+    def code(self) -> str:
+        """Stable code, `PDDL021`."""
+    @property
+    def severity(self) -> Literal["error", "warning", "information"]: ...
+    @property
+    def message(self) -> str:
+        """One line."""
+    @property
+    def file(self) -> str: ...
+    @property
+    def line(self) -> int:
+        """First line, from 1."""
+    @property
+    def column(self) -> int:
+        """First column in characters, from 1."""
+    @property
+    def end_line(self) -> int: ...
+    @property
+    def end_column(self) -> int:
+        """Column behind the end, from 1."""
+    @property
+    def remedy(self) -> str | None:
+        """How to mend it."""
+    @property
+    def rendered(self) -> str:
+        """The finding with the line concerned and a caret under the fault."""
+
+@final
+class Module:
+    """An entry of `(:modules ...)`."""
+
+    @property
+    def name(self) -> str:
+        """The name used between square brackets."""
+    @property
+    def kind(self) -> Literal["cost", "conditionchecker", "effect"]: ...
+    @property
+    def call(self) -> str:
+        """The provider as written: `pathCost@libgrid.so`."""
+    @property
+    def parameters(self) -> list[tuple[str, list[str]]]:
+        """Names and types."""
+
+@final
+class Domain:
+    """A domain: read once, used for many problems."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def file(self) -> str: ...
+    @property
+    def actions(self) -> list[str]: ...
+    @property
+    def requirements(self) -> list[str]: ...
+    @property
+    def types(self) -> dict[str, list[str]]:
+        """Types and their direct supertypes."""
+    @property
+    def modules(self) -> list[Module]: ...
+
+@final
+class Problem:
+    """A problem, read against its domain."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def file(self) -> str: ...
+    @property
+    def domain(self) -> Domain: ...
+    @property
+    def objects(self) -> dict[str, list[str]]:
+        """Objects, the domain's constants first, and the names of their types."""
+    @property
+    def fluents(self) -> dict[tuple[str, ...], float]:
+        """Values of numeric fluents at time 0: `{("x", "target_1"): 12.5}`."""
+    @property
+    def facts(self) -> set[tuple[str, ...]]:
+        """Facts true at time 0: `{("at", "e1", "a")}`."""
+    @property
+    def module_options(self) -> list[tuple[str, list[str]]]:
+        """`(:moduleoptions ...)`: calls and their arguments as written."""
+
+@final
+class State:
+    """A read-only view of the state in which an attachment is called; useless after the call."""
+
+    def holds(self, predicate: str, *arguments: str) -> bool:
+        """Whether a fact holds."""
+    def value(self, function: str, *arguments: str) -> float | None:
+        """The value of a numeric fluent; None where it is undefined."""
+
+@final
+class Verdict:
+    @property
+    def valid(self) -> bool: ...
+    @property
+    def makespan(self) -> float: ...
+    @property
+    def metric(self) -> float | None: ...
+    @property
+    def reason(self) -> str | None: ...
+    @property
+    def message(self) -> str | None: ...
+    @property
+    def time(self) -> float | None: ...
+    @property
+    def happening(self) -> int | None: ...
+    @property
+    def step(self) -> int | None: ...
+    @property
+    def facts(self) -> list[str]: ...
+    @property
+    def report(self) -> list[str]: ...
+    @property
+    def attachment(self) -> tuple[str, list[str], str] | None: ...
+
+def read_domain(text: bytes, name: str) -> tuple[Domain | None, list[Diagnostic]]: ...
+def read_problem(
+    domain: Domain, text: bytes, name: str
+) -> tuple[Problem | None, list[Diagnostic]]: ...
+def read_plan(
+    problem: Problem, text: bytes, name: str
+) -> tuple[list[StepTuple] | None, list[Diagnostic]]: ...
+def write_plan(
+    steps: Sequence[StepTuple],
+    *,
+    domain: str | None = None,
+    problem: str | None = None,
+    evaluated: int | None = None,
+    metric: float | None = None,
+) -> str: ...
+def validate(
+    problem: Problem,
+    steps: Sequence[StepTuple],
+    attachments: Mapping[str, object],
+    tolerance_s: float,
+    separation_s: float,
+    report: bool,
+) -> tuple[Verdict, BaseException | None]: ...
