@@ -163,12 +163,12 @@ impl Attachments for PythonAttachments {
                 Some(view) if provider.purity == Purity::State => {
                     let mut position = 0;
                     lend(py, view, &self.symbols, |state| {
-                        provider
-                            .values(py, calls, Some(state.as_any()))
-                            .map_err(|(index, error)| {
+                        provider.values(py, calls, Some(state.as_any())).map_err(
+                            |(index, error)| {
                                 position = index;
                                 error
-                            })
+                            },
+                        )
                     })
                     .map_err(|error| (position, error))
                 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use planner_core::pddl;
 use planner_core::pddl::model;
+use planner_core::syntax::diagnostic::has_errors;
 use planner_core::syntax::source::SourceFile;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PySet, PyTuple};
@@ -47,6 +48,7 @@ pub fn read_domain(
 ) -> PyResult<(Option<Py<Domain>>, Vec<Diagnostic>)> {
     let source = SourceFile::from_bytes(name, text);
     let (model, diagnostics) = py.detach(|| pddl::read_domain(&source));
+    let model = model.filter(|_| !has_errors(&diagnostics));
     let diagnostics = convert(&diagnostics, &source, None);
     let domain = model
         .map(|model| {
@@ -73,6 +75,7 @@ pub fn read_problem(
     let source = SourceFile::from_bytes(name, text);
     let parsed = Arc::clone(&domain.get().model);
     let (model, diagnostics) = py.detach(|| pddl::read_problem(&source, &parsed));
+    let model = model.filter(|_| !has_errors(&diagnostics));
     let diagnostics = convert(&diagnostics, &source, Some(&domain.get().source));
     let problem = model
         .map(|model| {

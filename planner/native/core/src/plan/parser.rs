@@ -82,15 +82,13 @@ impl Parser<'_, '_> {
 
     /// The span of the next token, or the end of the text.
     fn span(&self) -> Span {
-        self.significant
-            .get(self.position)
-            .map_or_else(
-                || {
-                    let end = u32::try_from(self.source.text().len()).unwrap_or(u32::MAX);
-                    Span::new(end.saturating_sub(1), end)
-                },
-                |token| self.tokens.span(*token),
-            )
+        self.significant.get(self.position).map_or_else(
+            || {
+                let end = u32::try_from(self.source.text().len()).unwrap_or(u32::MAX);
+                Span::new(end.saturating_sub(1), end)
+            },
+            |token| self.tokens.span(*token),
+        )
     }
 
     fn take(&mut self, kind: TokenKind) -> Option<Span> {
@@ -225,11 +223,10 @@ impl Parser<'_, '_> {
 
     /// Goes on at the first token of a later line than the one at `before`.
     fn skip_line(&mut self, before: usize) {
-        let line_of =
-            |parser: &Self, index: usize| {
-                let token = parser.significant[index];
-                parser.source.lines().line(parser.tokens.span(token).start)
-            };
+        let line_of = |parser: &Self, index: usize| {
+            let token = parser.significant[index];
+            parser.source.lines().line(parser.tokens.span(token).start)
+        };
         let line = line_of(self, before.max(self.position.saturating_sub(1)));
         self.position = self.position.max(before + 1);
         while self.position < self.significant.len() && line_of(self, self.position) <= line {

@@ -20,7 +20,8 @@ pub struct Entry {
     pub what: &'static str,
     /// Why it matters and what to do.
     pub why: &'static str,
-    /// A text that gives it; an `;;; problem` line parts a domain from a problem.
+    /// A text that gives it; an `;;; problem` line parts a domain from a problem, a `;;; plan` line a problem
+    /// from a plan.
     pub example: &'static str,
 }
 
@@ -220,6 +221,18 @@ codes! {
         what "A section is read but has no effect on planning."
         why "`(:length ...)` and `(:situation ...)` belong to older versions of PDDL."
         example "(define (domain d) (:predicates (p)))\n;;; problem\n(define (problem x) (:domain d) (:init) (:goal (p)) (:length (:parallel 3)))"
+    MalformedStep = 70 Error "step not understood"
+        what "A line of a plan is no step, or its time is no number of seconds from 0 on."
+        why "A step is written `0.000: (go a) [5.000]`: start, action with arguments, duration. Comments begin with a semicolon."
+        example "(define (domain d) (:types room) (:predicates (in ?r - room)) (:durative-action go :parameters (?r - room) :duration (= ?duration 5) :condition () :effect (at end (in ?r))))\n;;; problem\n(define (problem x) (:domain d) (:objects a - room) (:init) (:goal (in a)))\n;;; plan\n0.0 (go a) [5.0]"
+    UnknownAction = 71 Error "unknown action"
+        what "A step of a plan names an action that the domain does not have."
+        why "The plan belongs to another domain, or the name is misspelt."
+        example "(define (domain d) (:types room) (:predicates (in ?r - room)) (:durative-action go :parameters (?r - room) :duration (= ?duration 5) :condition () :effect (at end (in ?r))))\n;;; problem\n(define (problem x) (:domain d) (:objects a - room) (:init) (:goal (in a)))\n;;; plan\n0.0: (goo a) [5.0]"
+    StepDuration = 72 Error "duration missing or not wanted"
+        what "A step of a durative action has no duration, or a step of an instantaneous action has one."
+        why "Without its duration nobody can tell when a step ends."
+        example "(define (domain d) (:types room) (:predicates (in ?r - room)) (:durative-action go :parameters (?r - room) :duration (= ?duration 5) :condition () :effect (at end (in ?r))))\n;;; problem\n(define (problem x) (:domain d) (:objects a - room) (:init) (:goal (in a)))\n;;; plan\n0.0: (go a)"
 }
 
 impl Code {

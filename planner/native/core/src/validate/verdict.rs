@@ -166,7 +166,9 @@ impl fmt::Display for Reason {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownAction(name) => write!(formatter, "the domain has no action {name}"),
-            Self::UnknownObject { name, .. } => write!(formatter, "the problem has no object {name}"),
+            Self::UnknownObject { name, .. } => {
+                write!(formatter, "the problem has no object {name}")
+            }
             Self::WrongArity { expected, found } => {
                 write!(
                     formatter,
