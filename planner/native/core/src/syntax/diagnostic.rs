@@ -206,6 +206,21 @@ impl Diagnostics {
         }
     }
 
+    /// Whether further diagnostics of a code are only counted.
+    #[must_use]
+    pub fn is_full(&self, code: Code) -> bool {
+        self.counts
+            .iter()
+            .any(|&(seen, count)| seen == code && count >= Self::KEPT_PER_CODE)
+    }
+
+    /// Counts a diagnostic of a code that is full.
+    pub fn count(&mut self, code: Code) {
+        if let Some((_, count)) = self.counts.iter_mut().find(|(seen, _)| *seen == code) {
+            *count += 1;
+        }
+    }
+
     /// Number of errors and warnings kept so far.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -32,9 +32,10 @@ impl SourceFile {
         }
     }
 
-    /// A file from bytes. Bytes that are not UTF-8 become U+FFFD and a diagnostic.
+    /// A file from bytes. A byte order mark is skipped; bytes that are not UTF-8 become U+FFFD and a diagnostic.
     #[must_use]
     pub fn from_bytes(name: impl Into<String>, bytes: &[u8]) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let error = match std::str::from_utf8(bytes) {
             Ok(text) => return Self::new(name, text),
             Err(error) => error,

@@ -1,5 +1,8 @@
 //! "Did you mean ...?": the nearest known name.
 
+/// Candidates looked at, so that a huge file with many faults is still read at once.
+const EXAMINED: usize = 10_000;
+
 /// The candidate with the smallest edit distance to `written`, if one is near enough to be meant;
 /// of equally near ones the first. Distance counts insertions, deletions, substitutions and
 /// swaps of neighbours (optimal string alignment).
@@ -12,13 +15,13 @@ pub fn nearest<'c>(
         return None;
     }
     let limit = (length / 3).max(1);
+    let letters: Vec<char> = letters(written).collect();
     let mut best: Option<(usize, &str)> = None;
-    for candidate in candidates {
+    for candidate in candidates.into_iter().take(EXAMINED) {
         if candidate.len().abs_diff(written.len()) > 4 * limit || candidate == written {
             continue;
         }
-        let same_letters = squeezed(candidate) == squeezed(written);
-        let distance = if same_letters {
+        let distance = if self::letters(candidate).eq(letters.iter().copied()) {
             0
         } else {
             edit_distance(written, candidate)
@@ -31,11 +34,10 @@ pub fn nearest<'c>(
 }
 
 /// Lower-case letters and digits only: `Path_Cost` and `path-cost` are the same word.
-fn squeezed(word: &str) -> String {
+fn letters(word: &str) -> impl Iterator<Item = char> {
     word.chars()
         .filter(|character| character.is_alphanumeric())
         .flat_map(char::to_lowercase)
-        .collect()
 }
 
 fn edit_distance(left: &str, right: &str) -> usize {

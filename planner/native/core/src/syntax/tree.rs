@@ -86,7 +86,16 @@ impl Tree {
         };
         let (tokens, ends, mut diagnostics) = builder.build();
         for fault in file.faults() {
-            diagnostics.push(fault.clone());
+            let only_comments = fault.code == Code::NotUtf8
+                && (0..tokens.len())
+                    .filter(|&token| file.slice(tokens.span(token)).contains('\u{fffd}'))
+                    .all(|token| tokens.kinds[token] == TokenKind::Comment);
+            let fault = fault.clone();
+            diagnostics.push(if only_comments {
+                fault.warning()
+            } else {
+                fault
+            });
         }
         Self {
             text: file.shared_text(),

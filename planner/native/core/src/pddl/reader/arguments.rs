@@ -64,16 +64,18 @@ impl<'d> Reader<'d> {
             return None;
         }
         let known = self.domain.predicates.iter();
-        let suggestion = nearest(&name, known.map(|predicate| predicate.name.text.as_str()));
-        let diagnostic = Diagnostic::new(
-            Code::UnknownPredicate,
-            head.span(),
-            format!("unknown predicate `{word}`"),
-        )
-        .label("not declared in (:predicates ...)");
-        self.sink.push(match suggestion {
-            Some(_) => diagnostic.did_you_mean(suggestion),
-            None => diagnostic.remedy(format!("declare `{word}` in (:predicates ...)")),
+        self.sink.report(Code::UnknownPredicate, || {
+            let suggestion = nearest(&name, known.map(|predicate| predicate.name.text.as_str()));
+            let diagnostic = Diagnostic::new(
+                Code::UnknownPredicate,
+                head.span(),
+                format!("unknown predicate `{word}`"),
+            )
+            .label("not declared in (:predicates ...)");
+            match suggestion {
+                Some(_) => diagnostic.did_you_mean(suggestion),
+                None => diagnostic.remedy(format!("declare `{word}` in (:predicates ...)")),
+            }
         });
         None
     }
@@ -119,16 +121,18 @@ impl<'d> Reader<'d> {
             return None;
         }
         let known = self.domain.functions.iter();
-        let suggestion = nearest(&name, known.map(|function| function.name.text.as_str()));
-        let diagnostic = Diagnostic::new(
-            Code::UnknownFunction,
-            head.span(),
-            format!("unknown function `{word}`"),
-        )
-        .label("not declared in (:functions ...)");
-        self.sink.push(match suggestion {
-            Some(_) => diagnostic.did_you_mean(suggestion),
-            None => diagnostic.remedy(format!("declare `({word} ...)` in (:functions ...)")),
+        self.sink.report(Code::UnknownFunction, || {
+            let suggestion = nearest(&name, known.map(|function| function.name.text.as_str()));
+            let diagnostic = Diagnostic::new(
+                Code::UnknownFunction,
+                head.span(),
+                format!("unknown function `{word}`"),
+            )
+            .label("not declared in (:functions ...)");
+            match suggestion {
+                Some(_) => diagnostic.did_you_mean(suggestion),
+                None => diagnostic.remedy(format!("declare `({word} ...)` in (:functions ...)")),
+            }
         });
         None
     }

@@ -231,9 +231,13 @@ impl Reader<'_> {
         self.bound(&variables, |reader| {
             reader.timed_condition(body, &mut inner)
         });
-        for (when, condition) in inner {
-            let kind = ConditionKind::Forall(variables.clone(), Box::new(condition));
+        for (when, conditions) in by_time(inner) {
             let span = node.span();
+            let body = Box::new(Condition {
+                kind: ConditionKind::And(conditions),
+                span: body.span(),
+            });
+            let kind = ConditionKind::Forall(variables.clone(), body);
             out.push((when, Condition { kind, span }));
         }
     }
@@ -263,6 +267,19 @@ impl Reader<'_> {
         }
         self.sink.push(diagnostic);
     }
+}
+
+/// Groups parts by their time, in the order of time.
+pub(super) fn by_time<T>(parts: Vec<(When, T)>) -> Vec<(When, Vec<T>)> {
+    let mut groups: Vec<(When, Vec<T>)> = Vec::new();
+    for (when, part) in parts {
+        match groups.iter_mut().find(|(time, _)| *time == when) {
+            Some((_, group)) => group.push(part),
+            None => groups.push((when, vec![part])),
+        }
+    }
+    groups.sort_by_key(|&(when, _)| when);
+    groups
 }
 
 fn insertion(at: u32, text: &str) -> Edit {

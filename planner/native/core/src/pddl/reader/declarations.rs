@@ -3,7 +3,7 @@
 use super::names::{Names, name};
 use super::requirements::Feature;
 use super::sink::Sink;
-use super::typed_list::typed_list;
+use super::typed_list::{MAXIMUM_MEMBERS, too_many, typed_list};
 use super::types;
 use crate::pddl::model::{
     FunctionDeclaration, FunctionId, Name, ObjectDeclaration, ObjectId, Parameter,
@@ -52,6 +52,10 @@ pub(super) fn parameters<'t>(
                     .did_you_mean(Some(&format!("?{}", word.trim_start_matches('?')))),
                 );
                 continue;
+            }
+            if parameters.len() == MAXIMUM_MEMBERS {
+                sink.push(too_many(member, "variables in one list"));
+                return parameters;
             }
             let parameter = name(member);
             if let Some(first) = parameters.iter().find(|p| p.name.text == parameter.text) {

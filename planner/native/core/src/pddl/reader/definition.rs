@@ -94,15 +94,15 @@ fn sections<'t>(
             found.push((keyword, node));
             continue;
         }
-        sink.push(
+        sink.report(Code::UnknownSection, || {
             Diagnostic::new(
                 Code::UnknownSection,
                 head.span(),
                 format!("unknown section `{}`", head.text()),
             )
             .label("not a section of this definition")
-            .did_you_mean(nearest(&keyword, known.iter().copied())),
-        );
+            .did_you_mean(nearest(&keyword, known.iter().copied()))
+        });
     }
     found
 }

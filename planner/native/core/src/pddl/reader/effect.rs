@@ -1,5 +1,6 @@
 //! Effects, untimed and timed.
 
+use super::condition::by_time;
 use super::names::lower;
 use super::requirements::Feature;
 use super::scope::Reader;
@@ -217,7 +218,8 @@ impl Reader<'_> {
         };
         let mut inner = Vec::new();
         self.bound(&variables, |reader| reader.timed_effect(body, &mut inner));
-        for (when, effect) in inner {
+        for (when, effects) in by_time(inner) {
+            let effect = all_of(effects, body);
             let kind = EffectKind::Forall(variables.clone(), Box::new(effect));
             let span = node.span();
             out.push((when, Effect { kind, span }));
@@ -235,7 +237,8 @@ impl Reader<'_> {
         let mut inner = Vec::new();
         self.timed_effect(body, &mut inner);
         let span = node.span();
-        for (when, effect) in inner {
+        for (when, effects) in by_time(inner) {
+            let effect = all_of(effects, body);
             let same_time = conditions.iter().all(|&(time, _)| time == when);
             let kind = if same_time {
                 let all: Vec<Condition> = conditions.iter().map(|(_, c)| c.clone()).collect();
@@ -249,6 +252,17 @@ impl Reader<'_> {
             };
             out.push((when, Effect { kind, span }));
         }
+    }
+}
+
+/// One effect for several.
+fn all_of(mut effects: Vec<Effect>, body: Node<'_>) -> Effect {
+    if effects.len() == 1 {
+        return effects.remove(0);
+    }
+    Effect {
+        kind: EffectKind::And(effects),
+        span: body.span(),
     }
 }
 

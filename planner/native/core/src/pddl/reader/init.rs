@@ -8,7 +8,6 @@ use std::hash::{Hash, Hasher};
 
 use rustc_hash::{FxHashMap, FxHasher};
 
-use super::expression::number;
 use super::requirements::Feature;
 use super::scope::Reader;
 use crate::pddl::model::{GroundAtom, GroundFluent, ObjectId, Problem, TimedChange, TimedInitial};
@@ -231,12 +230,7 @@ fn timed(node: Node<'_>) -> Option<(Node<'_>, Node<'_>)> {
     let is_at = head
         .word()
         .is_some_and(|word| word.eq_ignore_ascii_case("at"));
-    let timed = is_at
-        && inner.is_list()
-        && parts.next().is_none()
-        && time
-            .word()
-            .is_some_and(|word| number(word).is_some() || !inner.text().is_empty());
+    let timed = is_at && inner.is_list() && parts.next().is_none() && time.word().is_some();
     timed.then_some((time, inner))
 }
 

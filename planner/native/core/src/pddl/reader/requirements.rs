@@ -120,15 +120,15 @@ pub(super) fn read(section: Node<'_>, sink: &mut Sink) -> Vec<Name> {
                 .label("used anywhere, it will be refused there"),
             );
         } else if !supported_flags().any(|known| known == flag.text) {
-            sink.push(
+            sink.report(Code::UnknownRequirement, || {
                 Diagnostic::new(
                     Code::UnknownRequirement,
                     node.span(),
                     format!("unknown requirement flag `{word}`"),
                 )
                 .label("ignored")
-                .did_you_mean(nearest(&flag.text, supported_flags())),
-            );
+                .did_you_mean(nearest(&flag.text, supported_flags()))
+            });
         }
         flags.push(flag);
     }

@@ -99,23 +99,23 @@ impl<'d> Reader<'d> {
         if let Some(variable) = self.variable(&name) {
             return Some(Term::Variable(variable));
         }
-        let known = self
-            .variables
-            .iter()
-            .map(|variable| variable.name.text.as_str());
-        let suggestion = nearest(&name, known);
-        let diagnostic = Diagnostic::new(
-            Code::UnknownVariable,
-            node.span(),
-            format!("unknown variable `{word}`"),
-        )
-        .label("no parameter or quantifier introduces it");
-        self.sink.push(match suggestion {
-            Some(_) => diagnostic.did_you_mean(suggestion),
-            None if name == "?duration" => {
-                diagnostic.remedy("`?duration` is a number and no argument")
+        let variables = &self.variables;
+        self.sink.report(Code::UnknownVariable, || {
+            let known = variables.iter().map(|variable| variable.name.text.as_str());
+            let suggestion = nearest(&name, known);
+            let diagnostic = Diagnostic::new(
+                Code::UnknownVariable,
+                node.span(),
+                format!("unknown variable `{word}`"),
+            )
+            .label("no parameter or quantifier introduces it");
+            match suggestion {
+                Some(_) => diagnostic.did_you_mean(suggestion),
+                None if name == "?duration" => {
+                    diagnostic.remedy("`?duration` is a number and no argument")
+                }
+                None => diagnostic.remedy(format!("add `{word}` to the parameters")),
             }
-            None => diagnostic.remedy(format!("add `{word}` to the parameters")),
         });
         None
     }
@@ -131,25 +131,26 @@ impl<'d> Reader<'d> {
         if let Some(&object) = self.names.objects.get(name.as_ref()) {
             return Some(object);
         }
-        let known = self.objects.iter().map(|object| object.name.text.as_str());
-        let variables = self
-            .variables
-            .iter()
-            .map(|variable| variable.name.text.as_str());
-        let suggestion = nearest(&name, variables.chain(known.take(10_000)));
-        let (label, place) = match self.domain_place {
-            Place::Here => ("no constant of this name", "(:constants ...)"),
-            Place::Domain => ("neither an object nor a constant", "(:objects ...)"),
-        };
-        let diagnostic = Diagnostic::new(
-            Code::UnknownObject,
-            node.span(),
-            format!("unknown object `{word}`"),
-        )
-        .label(label);
-        self.sink.push(match suggestion {
-            Some(_) => diagnostic.did_you_mean(suggestion),
-            None => diagnostic.remedy(format!("declare `{word}` in {place}")),
+        let (objects, variables) = (self.objects, &self.variables);
+        let domain_place = self.domain_place;
+        self.sink.report(Code::UnknownObject, || {
+            let known = objects.iter().map(|object| object.name.text.as_str());
+            let variables = variables.iter().map(|variable| variable.name.text.as_str());
+            let suggestion = nearest(&name, variables.chain(known));
+            let (label, place) = match domain_place {
+                Place::Here => ("no constant of this name", "(:constants ...)"),
+                Place::Domain => ("neither an object nor a constant", "(:objects ...)"),
+            };
+            let diagnostic = Diagnostic::new(
+                Code::UnknownObject,
+                node.span(),
+                format!("unknown object `{word}`"),
+            )
+            .label(label);
+            match suggestion {
+                Some(_) => diagnostic.did_you_mean(suggestion),
+                None => diagnostic.remedy(format!("declare `{word}` in {place}")),
+            }
         });
         None
     }

@@ -27,6 +27,15 @@ impl Sink {
         self.diagnostics.push(diagnostic);
     }
 
+    /// Adds a diagnostic that is costly to make: only if it will be kept.
+    pub fn report(&mut self, code: Code, make: impl FnOnce() -> Diagnostic) {
+        if self.diagnostics.is_full(code) {
+            self.diagnostics.count(code);
+        } else {
+            self.diagnostics.push(make());
+        }
+    }
+
     /// Notes that a feature is used, and where first.
     pub fn uses(&mut self, feature: Feature, span: Span) {
         self.usage.note(feature, span);

@@ -1,7 +1,22 @@
 //! `a b - t c - (either u v) d`: names in groups with the type written behind each.
 
 use super::sink::Sink;
+use crate::syntax::code::Code;
+use crate::syntax::diagnostic::Diagnostic;
 use crate::syntax::tree::Node;
+
+/// Parameters of one action, predicate or quantifier, and types of one `either`, at most.
+pub(super) const MAXIMUM_MEMBERS: usize = 256;
+
+/// More than [`MAXIMUM_MEMBERS`].
+pub(super) fn too_many(node: Node<'_>, what: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::TooManyMembers,
+        node.first_token_span(),
+        format!("more than {MAXIMUM_MEMBERS} {what}"),
+    )
+    .label("this list is not read")
+}
 
 /// Names that share a type; `None` where no type is written.
 pub(super) struct Group<'t> {

@@ -1,11 +1,11 @@
 //! The type hierarchy: reading `(:types ...)`, resolving type names, subtype tests.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::names::{Names, lower, name};
 use super::requirements::Feature;
 use super::sink::Sink;
-use super::typed_list::typed_list;
+use super::typed_list::{MAXIMUM_MEMBERS, too_many, typed_list};
 use crate::pddl::model::{Name, TypeDeclaration, TypeId};
 use crate::syntax::code::Code;
 use crate::syntax::diagnostic::Diagnostic;
@@ -115,16 +115,16 @@ fn supertypes(
             if let Some(&id) = names.types.get(&written.text) {
                 return id;
             }
-            let suggestion = nearest(&written.text, types.iter().map(|t| t.name.text.as_str()));
-            sink.push(
+            sink.report(Code::ImplicitType, || {
+                let known = types.iter().map(|declared| declared.name.text.as_str());
                 Diagnostic::new(
                     Code::ImplicitType,
                     written.span,
                     format!("supertype `{}` is not declared itself", written.text),
                 )
                 .label("taken as a subtype of `object`")
-                .did_you_mean(suggestion),
-            );
+                .did_you_mean(nearest(&written.text, known))
+            });
             let id = declare(written, types, names);
             types[id.index()].parents.push(OBJECT);
             id
@@ -145,7 +145,14 @@ fn alternatives<'t>(node: Node<'t>, sink: &mut Sink) -> Vec<Node<'t>> {
         sink.expected(node.span(), "a type or `(either ...)`", Some(node));
         return Vec::new();
     }
-    let words: Vec<Node<'t>> = parts.filter(|part| part.word().is_some()).collect();
+    let words: Vec<Node<'t>> = parts
+        .filter(|part| part.word().is_some())
+        .take(MAXIMUM_MEMBERS + 1)
+        .collect();
+    if words.len() > MAXIMUM_MEMBERS {
+        sink.push(too_many(node, "types in one `either`"));
+        return Vec::new();
+    }
     if words.is_empty() {
         sink.expected(node.span(), "types behind `either`", None);
     }
@@ -223,19 +230,19 @@ pub(super) fn resolve(
             }
             continue;
         }
-        let known = types
-            .iter()
-            .map(|declaration| declaration.name.text.as_str());
-        let suggestion = nearest(&written, known);
-        let diagnostic = Diagnostic::new(
-            Code::UnknownType,
-            part.span(),
-            format!("unknown type `{}`", part.text()),
-        )
-        .label("not declared in (:types ...)");
-        sink.push(match suggestion {
-            Some(_) => diagnostic.did_you_mean(suggestion),
-            None => diagnostic.remedy(format!("declare `{written}` in (:types ...)")),
+        sink.report(Code::UnknownType, || {
+            let known = types.iter().map(|declared| declared.name.text.as_str());
+            let suggestion = nearest(&written, known);
+            let diagnostic = Diagnostic::new(
+                Code::UnknownType,
+                part.span(),
+                format!("unknown type `{}`", part.text()),
+            )
+            .label("not declared in (:types ...)");
+            match suggestion {
+                Some(_) => diagnostic.did_you_mean(suggestion),
+                None => diagnostic.remedy(format!("declare `{written}` in (:types ...)")),
+            }
         });
     }
     if resolved.is_empty() {
@@ -271,6 +278,7 @@ pub(super) enum Fit {
 pub(super) struct Hierarchy<'d> {
     types: &'d [TypeDeclaration],
     subtype: FxHashMap<(TypeId, TypeId), bool>,
+    overlap: FxHashMap<(Vec<TypeId>, Vec<TypeId>), bool>,
 }
 
 impl<'d> Hierarchy<'d> {
@@ -278,6 +286,7 @@ impl<'d> Hierarchy<'d> {
         Self {
             types,
             subtype: FxHashMap::default(),
+            overlap: FxHashMap::default(),
         }
     }
 
@@ -290,38 +299,52 @@ impl<'d> Hierarchy<'d> {
             return known;
         }
         let mut open = vec![below];
-        let mut seen = vec![below];
-        let mut found = false;
+        let mut seen: FxHashSet<TypeId> = open.iter().copied().collect();
         while let Some(current) = open.pop() {
-            found |= current == above;
-            for &parent in &self.types[current.index()].parents {
-                if !seen.contains(&parent) {
-                    seen.push(parent);
-                    open.push(parent);
-                }
-            }
+            let parents = self.types[current.index()].parents.iter();
+            open.extend(parents.copied().filter(|&parent| seen.insert(parent)));
         }
+        let found = seen.contains(&above);
         self.subtype.insert((below, above), found);
         found
     }
 
     /// How a variable of the types `given` fits a parameter of the types `wanted`.
     pub fn fit(&mut self, given: &[TypeId], wanted: &[TypeId]) -> Fit {
-        let below = |hierarchy: &mut Self, lower: TypeId| {
-            wanted
-                .iter()
-                .any(|&upper| hierarchy.is_subtype(lower, upper))
-        };
-        if given.iter().all(|&lower| below(self, lower)) {
+        let inside = given
+            .iter()
+            .all(|&below| wanted.iter().any(|&above| self.is_subtype(below, above)));
+        if inside {
             return Fit::All;
         }
-        let ids = (0..self.types.len() as u32).map(TypeId);
-        for id in ids {
-            let common = given.iter().any(|&upper| self.is_subtype(id, upper)) && below(self, id);
-            if common {
-                return Fit::Some;
+        let key = (given.to_vec(), wanted.to_vec());
+        let overlap = match self.overlap.get(&key) {
+            Some(&known) => known,
+            None => {
+                let (ours, theirs) = (self.below(given), self.below(wanted));
+                let common = ours.iter().zip(&theirs).any(|(&our, &their)| our && their);
+                self.overlap.insert(key, common);
+                common
+            }
+        };
+        if overlap { Fit::Some } else { Fit::None }
+    }
+
+    /// For every type whether it is below one of `roots`.
+    fn below(&self, roots: &[TypeId]) -> Vec<bool> {
+        let mut children: Vec<Vec<usize>> = vec![Vec::new(); self.types.len()];
+        for (index, declaration) in self.types.iter().enumerate() {
+            for parent in &declaration.parents {
+                children[parent.index()].push(index);
             }
         }
-        Fit::None
+        let mut below = vec![false; self.types.len()];
+        let mut open: Vec<usize> = roots.iter().map(|id| id.index()).collect();
+        while let Some(current) = open.pop() {
+            if !std::mem::replace(&mut below[current], true) {
+                open.extend(&children[current]);
+            }
+        }
+        below
     }
 }
