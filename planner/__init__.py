@@ -1,1 +1,43 @@
-"""TODO."""
+"""Temporal planning with semantic attachments: reads PDDL 2.1 with PDDL/M modules, plans,
+validates.
+
+Example: >>> import planner >>> domain = planner.read_domain('''(define (domain lamp) ...
+(:requirements :durative-actions) (:predicates (lit)) ...   (:durative-action switch :parameters
+() :duration (= ?duration 2) ...    :condition () :effect (at end (lit))))''') >>> problem =
+planner.read_problem(domain, "(define (problem p) (:domain lamp) (:init) (:goal (lit)))") >>>
+planner.validate(domain, problem, "0: (switch) [2]").makespan 2.0
+"""
+
+from planner._core import Domain, Module, Problem, State
+from planner.attachments import Attachment, Attachments, BatchAttachment
+from planner.diagnostics import AttachmentError, Diagnostic, InternalError, PddlError, PlannerError
+from planner.outcome import OUTCOMES, Outcome, OutcomeRow
+from planner.plan import Plan, Step
+from planner.reading import InputError, read_domain, read_plan, read_problem
+from planner.validation import Verdict, validate
+
+__all__ = [
+    "OUTCOMES",
+    "Attachment",
+    "AttachmentError",
+    "Attachments",
+    "BatchAttachment",
+    "Diagnostic",
+    "Domain",
+    "InputError",
+    "InternalError",
+    "Module",
+    "Outcome",
+    "OutcomeRow",
+    "PddlError",
+    "Plan",
+    "PlannerError",
+    "Problem",
+    "State",
+    "Step",
+    "Verdict",
+    "read_domain",
+    "read_plan",
+    "read_problem",
+    "validate",
+]

@@ -15,7 +15,9 @@ TOP = 44
 
 
 def lanes(plan: Iterable[Step]) -> dict[str, list[Step]]:
-    """Steps by their first argument, lanes in alphabetical order; actions without arguments have a lane of their own."""
+    """Steps by their first argument, lanes in alphabetical order; actions without arguments have
+    a lane of their own.
+    """
     found: dict[str, list[Step]] = {}
     for step in plan:
         found.setdefault(step.arguments[0] if step.arguments else step.action, []).append(step)
@@ -38,7 +40,9 @@ def _natural(name: str) -> list[tuple[int, str]]:
 
 
 def rows(steps: list[Step]) -> list[tuple[int, Step]]:
-    """Steps of one lane with the row of each, so that bars that overlap in time do not overlap on the page."""
+    """Steps of one lane with the row of each, so that bars that overlap in time do not overlap
+    on the page.
+    """
     ends: list[float] = []
     placed: list[tuple[int, Step]] = []
     for step in sorted(steps, key=lambda one: one.start):
@@ -88,7 +92,8 @@ def svg(plan: Plan, title: str | None = None) -> str:
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {y + 10}" '
             f'role="img" aria-label="{escape(heading)}">',
             f"<style>{STYLE}</style>",
-            f'<text class="title" x="8" y="18">{escape(heading)}: makespan {plan.makespan:g} s</text>',
+            f'<text class="title" x="8" y="18">{escape(heading)}: '
+            f"makespan {plan.makespan:g} s</text>",
             *body,
             "</svg>",
             "",
@@ -120,7 +125,10 @@ def html(plan: Plan, title: str | None = None) -> str:
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width">
 <title>{escape(heading)}</title>
-<style>body {{ font-family: system-ui, sans-serif; margin: 1.5rem; }} pre {{ overflow-x: auto; }}</style>
+<style>
+body {{ font-family: system-ui, sans-serif; margin: 1.5rem; }}
+pre {{ overflow-x: auto; }}
+</style>
 </head>
 <body>
 {svg(plan, title)}<pre>{escape(plan.to_text())}</pre>

@@ -1,7 +1,7 @@
 """How a planning run ended: one table for exit codes, HTTP status codes and documentation.
 
-Exit codes follow Fast Downward's decades: 0 plan found, 1-3 plan found and then a limit hit, 10-12 unsolvable or
-exhausted, 20-24 limits, 30-37 faults.
+Exit codes follow Fast Downward's decades: 0 plan found, 1-3 plan found and then a limit hit,
+10-12 unsolvable or exhausted, 20-24 limits, 30-37 faults.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,9 @@ from typing import Final
 
 
 class Outcome(StrEnum):
-    """How a run ended. Outcomes are values; the faults at the end of the list are raised as exceptions."""
+    """How a run ended. Outcomes are values; the faults at the end of the list are raised as
+    exceptions.
+    """
 
     SOLVED_OPTIMALLY = "solved_optimally"
     SOLVED = "solved"

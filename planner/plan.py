@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Self, overload
+from typing import Any, Self, TypeAlias, overload
 
 from planner import _core
 from planner._core import Problem
 from planner.diagnostics import PddlError
+
+StepTuple: TypeAlias = tuple[float, str, list[str], float | None]
+"""A step at the border: start [s], action, arguments, duration [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,9 @@ class Plan(Sequence[Step]):
         return cls(steps_of(steps), problem.domain.name, problem.name)
 
     def to_text(self) -> str:
-        """`5.001: (launch d1 c1 b) [2.000]`, a line a step; numbers read back as the same numbers."""
+        """`5.001: (launch d1 c1 b) [2.000]`, a line a step; numbers read back as the same
+        numbers.
+        """
         return _core.write_plan(
             tuples_of(self),
             domain=self.domain,
@@ -121,7 +126,7 @@ class Plan(Sequence[Step]):
         return self.to_text()
 
 
-def steps_of(tuples: Sequence[_core.StepTuple]) -> tuple[Step, ...]:
+def steps_of(tuples: Sequence[StepTuple]) -> tuple[Step, ...]:
     """Steps from what the border gives."""
     return tuple(
         Step(start, action, tuple(arguments), duration)
@@ -129,6 +134,6 @@ def steps_of(tuples: Sequence[_core.StepTuple]) -> tuple[Step, ...]:
     )
 
 
-def tuples_of(steps: Sequence[Step]) -> list[_core.StepTuple]:
+def tuples_of(steps: Sequence[Step]) -> list[StepTuple]:
     """Steps as the border takes them."""
     return [(step.start, step.action, list(step.arguments), step.duration) for step in steps]

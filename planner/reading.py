@@ -25,7 +25,8 @@ class InputError(PlannerError):
 def read_domain(text: DomainLike | bytes, name: str = "domain.pddl") -> Domain:
     """Reads a domain from its text or file; `name` is shown in diagnostics of texts.
 
-    Raises `PddlError` with all diagnostics of the text; warnings alone raise nothing (`diagnose` lists them).
+    Raises `PddlError` with all diagnostics of the text; warnings alone raise nothing (`diagnose`
+    lists them).
     """
     if isinstance(text, Domain):
         return text
@@ -71,5 +72,7 @@ def _content(text: Path | str | bytes, name: str) -> tuple[bytes, str]:
 
 
 def _is_text(text: str) -> bool:
-    """PDDL and plans have parentheses, comments or line breaks; paths have neither at their start."""
+    """PDDL and plans have parentheses, comments or line breaks; paths have neither at their
+    start.
+    """
     return "\n" in text or text.lstrip()[:1] in {"(", ";", ""} or ": (" in text or ":(" in text

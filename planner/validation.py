@@ -48,10 +48,12 @@ def validate(
 ) -> Verdict:
     """Executes a plan on the problem as written and tells of the first thing that is wrong.
 
-    `tolerance_s` is VAL's `-t`: durations may be off by as much, and what lies within a tenth of it happens at once.
-    With `separation_s`, happenings that interfere must also be that far apart. docs/validator.md tells the semantics.
+    `tolerance_s` is VAL's `-t`: durations may be off by as much, and what lies within a tenth of
+    it happens at once. With `separation_s`, happenings that interfere must also be that far
+    apart. docs/validator.md tells the semantics.
 
-    Raises `PddlError` for texts that cannot be read, `AttachmentError` for an attachment that is missing or fails.
+    Raises `PddlError` for texts that cannot be read, `AttachmentError` for an attachment that is
+    missing or fails.
     """
     parsed = read_problem(domain, problem)
     steps = read_plan(parsed, plan)

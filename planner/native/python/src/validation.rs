@@ -1,6 +1,6 @@
 //! Validation as Python sees it.
 
-use planner_core::validate::{self, Options, Reason};
+use planner_core::validate::{self as core, Options, Reason};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -25,8 +25,8 @@ pub struct Verdict {
     attachment: Option<(String, Vec<String>, String)>,
 }
 
-impl From<validate::Verdict> for Verdict {
-    fn from(verdict: validate::Verdict) -> Self {
+impl From<core::Verdict> for Verdict {
+    fn from(verdict: core::Verdict) -> Self {
         let failure = verdict.failure.as_ref();
         Self {
             valid: verdict.valid(),
@@ -71,6 +71,6 @@ pub fn validate(
     };
     let plan = from_tuples(steps);
     let verdict =
-        py.detach(|| validate::validate(domain, &problem.model, &plan, &attachments, &options));
+        py.detach(|| core::validate(domain, &problem.model, &plan, &attachments, &options));
     Ok((verdict.into(), attachments.exception()))
 }
