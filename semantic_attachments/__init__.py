@@ -5,21 +5,23 @@ Source: Dornhege et al., "Semantic attachments for domain-independent planning s
 
 from semantic_attachments.contract import (
     Attachment,
-    AttachmentError,
+    EvaluationError,
     Evaluator,
     Kind,
     Memory,
     Parameter,
     Purity,
     Quality,
+    StateView,
 )
-from semantic_attachments.registry import bind
+from semantic_attachments.registry import BindingError, bind
 from semantic_attachments.world import Blockade, GridMap, Location, RobotModel, World
 
 __all__ = [
     "Attachment",
-    "AttachmentError",
+    "BindingError",
     "Blockade",
+    "EvaluationError",
     "Evaluator",
     "GridMap",
     "Kind",
@@ -29,6 +31,7 @@ __all__ = [
     "Purity",
     "Quality",
     "RobotModel",
+    "StateView",
     "World",
     "bind",
 ]

@@ -1,7 +1,16 @@
 """What an attachment is: the one protocol between planner, world and the code that computes.
 
-An `Attachment` is a declaration (kind, parameters, purity, quality) with a function that binds it
-to a frozen `World`; what comes out is an `Evaluator`, the callable that the planner asks.
+An `Attachment` declares (kind, parameters, purity, quality) and binds a function to a frozen
+`World`; what comes out is what the planner asks: a callable, best with a batch form `many`.
+
+| kind | purity | asked as | answers |
+|---|---|---|---|
+| cost | arguments | `f(*arguments)`, `f.many(calls)` | seconds; infinite: not applicable |
+| cost | fluents, state | `f(state, *arguments)`, `f.many(calls, state)` | seconds |
+| condition | as cost | as cost | `bool` |
+| effect | any | `f(state, *arguments)` | new values of the fluents written, or None |
+
+Arguments are names of objects. Modules that ground new objects are not supported.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,8 +23,15 @@ from semantic_attachments.world import World
 T = TypeVar("T")
 
 
-class AttachmentError(Exception):
-    """An attachment that fails; it stops planning and never becomes a wrong plan."""
+class EvaluationError(Exception):
+    """An evaluation that failed; the planner turns it into its `AttachmentError` and stops.
+
+    `position` is the number of the call in its batch.
+    """
+
+    def __init__(self, reason: str, position: int = 0) -> None:
+        super().__init__(reason)
+        self.position = position
 
 
 class Kind(StrEnum):
@@ -35,16 +51,17 @@ class Purity(StrEnum):
     ARGUMENTS = "arguments"
     """The arguments only: computed once for each tuple of them."""
     FLUENTS = "fluents"
-    """The arguments and the values of the fluents in `Attachment.reads`."""
+    """The arguments and what `Attachment.reads` names; remembered by these values."""
     STATE = "state"
-    """The whole state: never kept."""
+    """The whole state: never remembered here."""
 
 
 class Quality(StrEnum):
-    """How a cost relates to the true one; heuristics rely on it."""
+    """How a cost relates to the true one."""
 
     EXACT = "exact"
     LOWER_BOUND = "lower bound"
+    """Never above the true cost, so that a plan that avoids it need not know better."""
     APPROXIMATE = "approximate"
 
 
@@ -56,12 +73,24 @@ class Parameter:
     type: str = "object"
 
 
+class StateView(Protocol):
+    """The planner's state, read-only, while an attachment is asked."""
+
+    def holds(self, predicate: str, *arguments: str) -> bool:
+        """Whether a fact holds."""
+        ...
+
+    def value(self, function: str, *arguments: str) -> float | None:
+        """The value of a numeric fluent, None where it is undefined."""
+        ...
+
+
 @runtime_checkable
 class Evaluator(Protocol):
-    """An attachment bound to a world: a single form and a batch form of the same function."""
+    """A bound cost that depends on its arguments: a single form and a batch form."""
 
     def __call__(self, *arguments: str) -> float:
-        """The value of one call, arguments being names of objects."""
+        """The value of one call."""
         ...
 
     def many(self, calls: Sequence[tuple[str, ...]]) -> Sequence[float]:
@@ -97,12 +126,25 @@ class Attachment:
     """The module's name in PDDL/M; case does not matter."""
     parameters: tuple[Parameter, ...]
     """Its parameters with their PDDL types."""
-    bind: Callable[[World, Memory], Evaluator]
-    """Binds it to a world; `Memory` is that of the mission."""
+    bind: Callable[[World, Memory], Callable[..., Any]]
+    """Binds it to a world; `Memory` is that of the mission. See the table above for the result."""
     kind: Kind = Kind.COST
     purity: Purity = Purity.ARGUMENTS
     quality: Quality = Quality.EXACT
-    reads: tuple[str, ...] = ()
-    """Names of the numeric fluents and predicates a value depends on, for `Purity.FLUENTS`."""
+    reads: tuple[tuple[str, ...], ...] = ()
+    """For `Purity.FLUENTS`: fluents and predicates, each with names of parameters as arguments,
+    such as `("energy", "robot")`."""
     thread_safe: bool = False
-    """Whether two threads may ask one evaluator at once."""
+    """Whether two threads may ask it at once; if not, they wait for one another."""
+
+    def __post_init__(self) -> None:
+        names = {parameter.name for parameter in self.parameters}
+        for symbol, *arguments in self.reads:
+            if unknown := [name for name in arguments if name not in names]:
+                raise ValueError(
+                    f"attachment {self.name}: ({symbol} ...) reads {unknown[0]!r}, no parameter"
+                )
+        if bool(self.reads) != (self.purity is Purity.FLUENTS):
+            raise ValueError(
+                f"attachment {self.name}: `reads` names fluents if and only if purity is FLUENTS"
+            )

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 
-from semantic_attachments.contract import Attachment, AttachmentError, Evaluator, Memory, Parameter
+from semantic_attachments.contract import Attachment, EvaluationError, Evaluator, Memory, Parameter
 from semantic_attachments.path_costs import PathCosts
 from semantic_attachments.world import RobotModel, World
 
@@ -44,7 +44,7 @@ class Single:
 def _robot(world: World, name: str) -> RobotModel:
     model = world.robots.get(name)
     if model is None:
-        raise AttachmentError(f"the world has no robot {name!r}")
+        raise EvaluationError(f"the world has no robot {name!r}")
     return model
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments._core import Field, Traversability
-from semantic_attachments.contract import AttachmentError
+from semantic_attachments.contract import EvaluationError
 from semantic_attachments.map_change import MapChange
 from semantic_attachments.robot_class import GridParameters, RobotClass, fastest_m_s
 from semantic_attachments.world import Blockade, GridMap, Location, World
@@ -118,7 +118,7 @@ class PathCosts:
         """Travel times [s] of many (robot, from, to), in their order.
 
         Raises:
-            AttachmentError: if the world has no such robot or location.
+            EvaluationError: if the world has no such robot or location.
         """
         with self._lock:
             wanted: dict[RobotClass, dict[Pair, None]] = {}
@@ -177,14 +177,14 @@ class PathCosts:
         self, call: tuple[str, ...]
     ) -> tuple[RobotClass, float, Place | None, Place | None]:
         if len(call) != 3:
-            raise AttachmentError(f"pathCost takes a robot and two locations, not {call}")
+            raise EvaluationError(f"pathCost takes a robot and two locations, not {call}")
         robot, start, goal = call
         model = self.world.robots.get(robot)
         if model is None:
-            raise AttachmentError(f"the world has no robot {robot!r}")
+            raise EvaluationError(f"the world has no robot {robot!r}")
         for name in (start, goal):
             if name not in self._places:
-                raise AttachmentError(f"the world has no location {name!r}")
+                raise EvaluationError(f"the world has no location {name!r}")
         robot_class = RobotClass.of(model, self.world.grid, self.parameters)
         return robot_class, fastest_m_s(model), self._places[start], self._places[goal]
 

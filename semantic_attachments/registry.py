@@ -9,10 +9,15 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Protocol, runtime_checkable
 
-from semantic_attachments.contract import Attachment, AttachmentError, Evaluator, Kind, Memory
+from semantic_attachments.contract import Attachment, Kind, Memory
+from semantic_attachments.guard import Guarded
 from semantic_attachments.world import World
 
 GROUP = "marsupial.attachments"
+
+
+class BindingError(Exception):
+    """A module that cannot be bound: none of its name, or one of another kind."""
 
 
 @runtime_checkable
@@ -29,14 +34,14 @@ def installed() -> Mapping[str, Attachment]:
     """Attachments by lower-case name: the entry points of the group and this package's own.
 
     Raises:
-        AttachmentError: if two packages declare the same name, or one declares something else.
+        BindingError: if two packages declare the same name, or one declares something else.
     """
     found: dict[str, tuple[Attachment, str]] = {}
     for point in sorted(_entry_points(), key=lambda point: (point.name, point.value)):
         for attachment in _load(point):
             name = attachment.name.lower()
             if name in found and found[name][0] is not attachment:
-                raise AttachmentError(
+                raise BindingError(
                     f"attachment {attachment.name} is declared by both {found[name][1]} and "
                     f"{point.value}; uninstall one or rename it"
                 )
@@ -54,11 +59,11 @@ def _load(point: EntryPoint) -> tuple[Attachment, ...]:
     try:
         loaded = point.load()
     except (ImportError, AttributeError) as error:
-        raise AttachmentError(f"entry point {point.name} ({point.value}): {error}") from error
+        raise BindingError(f"entry point {point.name} ({point.value}): {error}") from error
     attachments = (loaded,) if isinstance(loaded, Attachment) else tuple(loaded)
     for attachment in attachments:
         if not isinstance(attachment, Attachment):
-            raise AttachmentError(f"{point.value} holds {attachment!r}, which is no Attachment")
+            raise BindingError(f"{point.value} holds {attachment!r}, which is no Attachment")
     return attachments
 
 
@@ -69,14 +74,14 @@ def resolve(call: str, attachments: Iterable[Attachment] = ()) -> Attachment:
         call: `name`, `name@libfoo.so` or `name@package.module:attribute`.
 
     Raises:
-        AttachmentError: listing the known names if none fits.
+        BindingError: listing the known names if none fits.
     """
     known = {**installed(), **{attachment.name.lower(): attachment for attachment in attachments}}
     name = call.partition("@")[0]
     attachment = known.get(name.lower())
     if attachment is None:
         names = ", ".join(sorted(attachment.name for attachment in known.values()))
-        raise AttachmentError(
+        raise BindingError(
             f"no attachment is called {name!r} (from {call!r}); known are {names}. "
             f"Declare yours in the entry point group {GROUP!r} or pass it in"
         )
@@ -89,16 +94,18 @@ def bind(
     *,
     attachments: Iterable[Attachment] = (),
     memory: Memory | None = None,
-) -> dict[str, Evaluator]:
+    time_limit_s: float | None = 60.0,
+) -> dict[str, Guarded]:
     """What `planner.solve(attachments=...)` takes: an evaluator for each module.
 
     Args:
         modules: a domain, or the call strings or names of modules.
         attachments: further attachments, for those that are not installed.
         memory: that of the mission, so that values survive from one problem to the next.
+        time_limit_s: the longest one evaluation, of a batch or a call, may take; None for no limit.
 
     Raises:
-        AttachmentError: if a module resolves to nothing, or to another kind than the domain
+        BindingError: if a module resolves to nothing, or to another kind than the domain
         declares.
     """
     memory = Memory() if memory is None else memory
@@ -109,10 +116,17 @@ def bind(
         name, call, kind = _describe(module)
         attachment = resolve(call, given)
         if kind is not None and kind is not attachment.kind:
-            raise AttachmentError(
+            raise BindingError(
                 f"module {name} is declared as {kind}, but it is a {attachment.kind}"
             )
-        bound[name] = attachment.bind(world, memory)
+        declared = getattr(module, "parameters", attachment.parameters)
+        if len(declared) != len(attachment.parameters):
+            names = ", ".join(parameter.name for parameter in attachment.parameters)
+            raise BindingError(
+                f"module {name} is declared with {len(declared)} parameters; "
+                f"{attachment.name} takes {len(attachment.parameters)}: {names}"
+            )
+        bound[name] = Guarded(attachment, attachment.bind(world, memory), time_limit_s)
     return bound
 
 
@@ -122,5 +136,5 @@ def _describe(module: Any) -> tuple[str, str, Kind | None]:
     name = str(module.name)
     kind = getattr(module, "kind", None)
     if kind == "grounding":
-        raise AttachmentError(f"module {name}: modules that ground new objects are not supported")
+        raise BindingError(f"module {name}: modules that ground new objects are not supported")
     return name, str(getattr(module, "call", name)), None if kind is None else Kind(str(kind))

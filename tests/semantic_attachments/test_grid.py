@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from semantic_attachments import AttachmentError, Memory, RobotModel, World, bind
+from semantic_attachments import EvaluationError, Memory, RobotModel, World, bind
 from semantic_attachments.path_costs import PathCosts
 
 NAMES = ("pathCost", "clearCost", "dockCost", "undockCost")
@@ -25,7 +25,7 @@ def test_durations(two_rooms: World) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_an_unknown_robot_is_named(two_rooms: World, name: str) -> None:
     arguments = ("ghost", "west", "east") if name == "pathCost" else ("ghost", "door")
-    with pytest.raises(AttachmentError, match="no robot 'ghost'"):
+    with pytest.raises(EvaluationError, match="no robot 'ghost'"):
         bind([name], two_rooms)[name](*arguments)
 
 
@@ -35,5 +35,6 @@ def test_a_memory_carries_path_costs_over(two_rooms: World) -> None:
     first("robot", "west", "door")
     second = bind(["pathCost"], two_rooms, memory=memory)["pathCost"]
     second("robot", "west", "door")
-    assert isinstance(second, PathCosts)
-    assert (second.statistics.fields, second.statistics.kept) == (0, 1)
+    costs = second.inner
+    assert isinstance(costs, PathCosts)
+    assert (costs.statistics.fields, costs.statistics.kept) == (0, 1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from semantic_attachments.contract import AttachmentError
+from semantic_attachments.contract import EvaluationError
 from semantic_attachments.path_costs import PathCosts
 from semantic_attachments.robot_class import GridParameters
 from semantic_attachments.world import Blockade, GridMap, Location, RobotModel, World
@@ -44,9 +44,9 @@ def test_a_robot_wider_than_the_door_does_not_pass(two_rooms: World) -> None:
 
 def test_names_the_world_does_not_know(two_rooms: World) -> None:
     costs = PathCosts(two_rooms)
-    with pytest.raises(AttachmentError, match="no location 'north'"):
+    with pytest.raises(EvaluationError, match="no location 'north'"):
         costs("robot", "north", "west")
-    with pytest.raises(AttachmentError, match="a robot and two locations"):
+    with pytest.raises(EvaluationError, match="a robot and two locations"):
         costs("robot", "west")
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from semantic_attachments import Attachment, AttachmentError, Memory, World, bind
+from semantic_attachments import Attachment, BindingError, Memory, World, bind
 from semantic_attachments.contract import Evaluator, Kind, Parameter
 from semantic_attachments.grid import Single
 from semantic_attachments.registry import installed, resolve
@@ -35,9 +35,7 @@ def test_calls_resolve_by_name(call: str) -> None:
 
 
 def test_a_call_never_imports_what_it_names() -> None:
-    with pytest.raises(
-        AttachmentError, match=r"no attachment is called 'open'.*known are .*pathCost"
-    ):
+    with pytest.raises(BindingError, match=r"no attachment is called 'open'.*known are .*pathCost"):
         resolve("open@os:system")
 
 
@@ -46,6 +44,7 @@ class Module:
     name: str
     call: str
     kind: str = "cost"
+    parameters: tuple[str, ...] = ("r", "s", "g")
 
 
 @dataclass
@@ -54,7 +53,12 @@ class Domain:
 
 
 def test_a_domain_is_bound_under_its_own_names(two_rooms: World) -> None:
-    domain = Domain([Module("travel", "pathCost@libgrid.so"), Module("clear", "clearCost@x.so")])
+    domain = Domain(
+        [
+            Module("travel", "pathCost@libgrid.so"),
+            Module("clear", "clearCost@x.so", parameters=("r", "b")),
+        ]
+    )
     bound = bind(domain, two_rooms)
     assert list(bound) == ["travel", "clear"]
     assert bound["clear"]("robot", "door") == 20.0
@@ -63,9 +67,11 @@ def test_a_domain_is_bound_under_its_own_names(two_rooms: World) -> None:
 
 
 def test_a_module_of_another_kind_is_refused(two_rooms: World) -> None:
-    with pytest.raises(AttachmentError, match="declared as conditionchecker, but it is a cost"):
+    with pytest.raises(BindingError, match="declared as conditionchecker, but it is a cost"):
         bind(Domain([Module("pathCost", "pathCost", "conditionchecker")]), two_rooms)
-    with pytest.raises(AttachmentError, match="ground new objects are not supported"):
+    with pytest.raises(BindingError, match="declared with 1 parameters; pathCost takes 3"):
+        bind(Domain([Module("pathCost", "pathCost", parameters=("r",))]), two_rooms)
+    with pytest.raises(BindingError, match="ground new objects are not supported"):
         bind(Domain([Module("pathCost", "pathCost", "grounding")]), two_rooms)
 
 

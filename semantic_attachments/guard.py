@@ -1,0 +1,212 @@
+"""A guard around every bound attachment: whatever it does, the planner gets checked values or an
+error.
+
+Faults of attachments (exceptions, NaN, negative costs, wrong types and counts, overrun of a time
+limit, asking itself through the planner, reading what it did not declare) become `EvaluationError`.
+What it is given it cannot change.
+"""
+
+from collections.abc import Callable, Sequence
+from contextvars import ContextVar
+from math import isnan
+from numbers import Real
+from threading import RLock
+from typing import Any
+
+import numpy as np
+
+from semantic_attachments.contract import Attachment, EvaluationError, Kind, Purity, StateView
+from semantic_attachments.time_limit import TimeLimit
+
+Call = tuple[str, ...]
+
+_MEMO_LIMIT = 500_000
+"""Values remembered by one attachment before it starts anew."""
+
+_underway: ContextVar[tuple[int, ...]] = ContextVar("underway", default=())
+"""The guards whose attachments are being evaluated, outermost first."""
+
+
+class Guarded:
+    """A bound attachment as the planner asks it; `purity` tells the planner whether to pass the
+    state."""
+
+    def __init__(
+        self, attachment: Attachment, function: Callable[..., Any], time_limit_s: float | None
+    ) -> None:
+        self.attachment = attachment
+        self.purity = str(attachment.purity)
+        self._function = function
+        self._limit = TimeLimit(time_limit_s)
+        self._lock = RLock()
+        self._memo: dict[tuple[Any, ...], float] = {}
+
+    @property
+    def inner(self) -> Callable[..., Any]:
+        """The attachment itself, without guard."""
+        return self._function
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The single form; effects and impure attachments take the state first."""
+        if self.attachment.kind is Kind.EFFECT:
+            return self._effect(arguments[0], arguments[1:])
+        if self.attachment.purity is Purity.ARGUMENTS:
+            return self.many([arguments])[0]
+        return self.many([arguments[1:]], arguments[0])[0]
+
+    def many(self, calls: Sequence[Call], state: StateView | None = None) -> list[float]:
+        """The batch form.
+
+        Raises:
+            EvaluationError: with the position of the call that failed, as far as that is known.
+        """
+        calls = tuple(tuple(call) for call in calls)
+        for position, call in enumerate(calls):
+            self._check_count(call, position)
+        if self.attachment.purity is Purity.FLUENTS:
+            return [self._remembered(call, state, i) for i, call in enumerate(calls)]
+        return self._values(calls, state)
+
+    def _remembered(self, call: Call, state: StateView | None, position: int) -> float:
+        if state is None:
+            raise EvaluationError(f"{self.attachment.name} needs a state", position)
+        declared = DeclaredState(self.attachment, call, state)
+        key = (call, declared.values())
+        if key not in self._memo:
+            if len(self._memo) >= _MEMO_LIMIT:
+                self._memo.clear()
+            try:
+                self._memo[key] = self._values((call,), declared)[0]
+            except EvaluationError as error:
+                error.position = position
+                raise
+        return self._memo[key]
+
+    def _values(self, calls: tuple[Call, ...], state: StateView | None) -> list[float]:
+        many = getattr(self._function, "many", None)
+        if many is None:
+            return [self._single(call, state, i) for i, call in enumerate(calls)]
+        found = self._run(many, (calls,), state, state_first=False)
+        try:
+            values = list(found)
+        except TypeError:
+            raise EvaluationError(f"many() returned {_shown(found)}, no sequence") from None
+        if len(values) != len(calls):
+            raise EvaluationError(f"many() returned {len(values)} values for {len(calls)} calls")
+        return [self._check(value, position) for position, value in enumerate(values)]
+
+    def _single(self, call: Call, state: StateView | None, position: int) -> float:
+        try:
+            return self._check(self._run(self._function, call, state, state_first=True), position)
+        except EvaluationError as error:
+            error.position = position
+            raise
+
+    def _effect(self, state: StateView, call: Call) -> list[float] | None:
+        self._check_count(call, 0)
+        found = self._run(self._function, call, state, state_first=True)
+        if found is None:
+            return None
+        try:
+            values = list(found)
+        except TypeError:
+            raise EvaluationError(f"it returned {_shown(found)}, no sequence of values") from None
+        for value in values:
+            if not _is_number(value) or isnan(value):
+                raise EvaluationError(f"it returned {_shown(value)} as the value of a fluent")
+        return [float(value) for value in values]
+
+    def _run(
+        self,
+        function: Callable[..., Any],
+        arguments: tuple[Any, ...],
+        state: StateView | None,
+        *,
+        state_first: bool,
+    ) -> Any:
+        underway = _underway.get()
+        if id(self) in underway:
+            raise EvaluationError("it asks itself through the planner, which would never end")
+        token = _underway.set((*underway, id(self)))
+        waiting_s = -1.0 if self._limit.seconds is None else self._limit.seconds
+        shared = self.attachment.thread_safe
+        if not shared and not self._lock.acquire(timeout=waiting_s):
+            raise EvaluationError(f"it is still busy after {waiting_s:g} s")
+        try:
+            return self._limit.run(function, arguments, state, state_first=state_first)
+        except EvaluationError:
+            raise
+        except Exception as error:
+            raise EvaluationError(f"it raised {type(error).__name__}: {error}") from error
+        finally:
+            if not shared:
+                self._lock.release()
+            _underway.reset(token)
+
+    def _check_count(self, call: Call, position: int) -> None:
+        expected = len(self.attachment.parameters)
+        if len(call) != expected:
+            raise EvaluationError(f"it takes {expected} arguments, not {len(call)}", position)
+
+    def _check(self, value: Any, position: int) -> float:
+        if self.attachment.kind is Kind.CONDITION:
+            if not isinstance(value, bool | np.bool_):
+                raise EvaluationError(
+                    f"it returned {_shown(value)}; a condition is a bool", position
+                )
+            return float(value)
+        if not _is_number(value):
+            raise EvaluationError(f"it returned {_shown(value)}; a cost is a number", position)
+        number = float(value)
+        if isnan(number):
+            raise EvaluationError(
+                "it returned NaN; return inf where the action cannot be", position
+            )
+        if number < 0:
+            raise EvaluationError(f"it returned {number:g}; a cost is never negative", position)
+        return number
+
+
+class DeclaredState:
+    """A state that shows only what an attachment declares to read."""
+
+    def __init__(self, attachment: Attachment, call: Call, state: StateView) -> None:
+        names = {p.name: argument for p, argument in zip(attachment.parameters, call, strict=True)}
+        self._declared = tuple(
+            (symbol, *(names[parameter] for parameter in parameters))
+            for symbol, *parameters in attachment.reads
+        )
+        self._name = attachment.name
+        self._state = state
+
+    def values(self) -> tuple[float | bool | None, ...]:
+        """The values of all that is declared."""
+        return tuple(self._read(*symbol) for symbol in self._declared)
+
+    def holds(self, predicate: str, *arguments: str) -> bool:
+        """Whether a declared fact holds."""
+        self._check(predicate, *arguments)
+        return self._state.holds(predicate, *arguments)
+
+    def value(self, function: str, *arguments: str) -> float | None:
+        """The value of a declared fluent."""
+        self._check(function, *arguments)
+        return self._state.value(function, *arguments)
+
+    def _read(self, symbol: str, *arguments: str) -> float | bool | None:
+        try:
+            return self._state.value(symbol, *arguments)
+        except KeyError:
+            return self._state.holds(symbol, *arguments)
+
+    def _check(self, *symbol: str) -> None:
+        if symbol not in self._declared:
+            raise EvaluationError(f"it reads ({' '.join(symbol)}), which its `reads` does not name")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real | np.floating | np.integer) and not isinstance(value, bool)
+
+
+def _shown(value: Any) -> str:
+    return f"{str(value)[:40]!r} of type {type(value).__name__}"
