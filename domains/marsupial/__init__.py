@@ -1,1 +1,1 @@
-"""TODO."""
+"""Exploration with marsupial teams: carriers deploy and fetch rovers (Wurm, section 3.4)."""

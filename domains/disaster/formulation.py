@@ -1,0 +1,95 @@
+"""Disaster recovery as a planning problem (Wurm, section 3.5.2)."""
+
+from collections.abc import Iterable, Sequence
+from math import isfinite
+from pathlib import Path
+
+from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of
+from domains.geometry_text import write_location, write_robot
+from domains.mission_state import Activity, MissionState
+from domains.naming import Names
+from domains.pddl_text import ProblemText
+from planner import Step
+from semantic_attachments.world import World
+
+SOONEST_S = 0.1
+"""A timed literal lies after time 0, also for an activity that should have ended by now."""
+
+
+class DisasterFormulation(Formulation):
+    """Robots start from places of their own; a clearer at work comes free by a timed literal."""
+
+    def write(
+        self, text: ProblemText, world: World, state: MissionState, goals: Iterable[str]
+    ) -> None:
+        names = self.names(state)
+        for target in state.targets:
+            write_location(text, target.id, "mission_target", target.position_m)
+        for blockade in state.blockades:
+            (x_from, y_from), (x_to, y_to) = blockade.segment_m
+            write_location(text, blockade.id, "blockade", blockade.centre_m)
+            text.fluent("x-from", blockade.id, value=x_from)
+            text.fluent("y-from", blockade.id, value=y_from)
+            text.fluent("x-to", blockade.id, value=x_to)
+            text.fluent("y-to", blockade.id, value=y_to)
+            text.fluent("clear-duration", blockade.id, value=blockade.clear_duration_s)
+        known = {blockade.id for blockade in state.blockades}
+        for robot in state.robots:
+            if robot.activity is Activity.FAILED:
+                continue
+            write_robot(text, robot.id, robot.type, world.robots[names.name(robot.id)])
+            if robot.activity is Activity.CLEARING and robot.partner in known:
+                free_in_s = max(robot.free_at_s - state.time_s, SOONEST_S)
+                text.timed_fact(free_in_s, "at", robot.id, robot.partner)
+                text.timed_fact(free_in_s, "cleared", robot.partner)
+            else:
+                write_location(text, place_of(robot.id), "free_location", robot.position_m)
+                text.fact("at", robot.id, place_of(robot.id))
+        for goal in goals:
+            text.goal("explored", goal)
+
+    def orders(self, step: Step, names: Names) -> Sequence[Order]:
+        robot = names.id(step.arguments[0])
+        location = names.id(step.arguments[-1])
+        match step.action:
+            case "clear":
+                kind = OrderKind.CLEAR
+            case "explore" | "explore-from-blockade":
+                kind = OrderKind.EXPLORE
+            case "move" | "move-from-blockade":
+                kind = OrderKind.MOVE
+            case _:
+                raise ValueError(f"the disaster domain has no action {step.action!r}")
+        return [Order(robot, kind, location)]
+
+    def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
+        names = self.names(state)
+        blockades = {names.name(blockade.id) for blockade in state.blockades}
+        goals = {names.name(target.id) for target in state.targets}
+        team = [robot for robot in state.robots if robot.activity is not Activity.FAILED]
+        reached: dict[str, set[str]] = {}
+        cleared: set[str] = set()
+        for robot in team:
+            if robot.activity is Activity.CLEARING and robot.partner and robot.partner in names:
+                blockade = names.name(robot.partner)
+                cleared.add(blockade)
+                reached[robot.id] = {blockade}
+            else:
+                reached[robot.id] = {names.name(place_of(robot.id))}
+        changed = True
+        while changed:
+            changed = False
+            for robot in team:
+                been = reached[robot.id]
+                sources = [place for place in been if place not in blockades or place in cleared]
+                for goal in sorted((goals | blockades) - been):
+                    if any(isfinite(cost(names.name(robot.id), place, goal)) for place in sources):
+                        been.add(goal)
+                        changed = True
+                if robot.type == "clearer":
+                    cleared |= been & blockades
+        visited = set().union(*(reached[r.id] & goals for r in team if r.type == "explorer"), set())
+        return frozenset(names.id(name) for name in visited)
+
+
+FORMULATION = DisasterFormulation(Path(__file__).parent, ["pathCost", "clearCost"])

@@ -1,0 +1,193 @@
+"""What every domain's formulation does: mission state -> world and problem; plan -> orders for
+robots.
+
+The loop is that of figure 3.2 of Wurm's thesis: the state of robots and world becomes a PDDL
+problem, and of the plan only
+the first action of each robot is executed before the next problem is posed.
+"""
+
+from abc import ABC, abstractmethod
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from domains.mission_state import Activity, MeetingPoint, MissionState, RobotState, Target
+from domains.naming import Names
+from domains.pddl_text import ProblemText
+from planner import Plan, Step
+from semantic_attachments.world import Blockade, GridMap, Location, RobotModel, World
+
+PathCost = Callable[[str, str, str], float]
+"""(robot, from, to) -> seconds, all PDDL names; infinite where there is no way."""
+
+
+class OrderKind(StrEnum):
+    """What a robot is told to do."""
+
+    MOVE = "move"
+    EXPLORE = "explore"
+    CLEAR = "clear"
+    DOCK = "dock"
+    UNDOCK = "undock"
+    WAIT = "wait"
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """The next thing a robot does according to a plan; ids are the mission's."""
+
+    robot: str
+    kind: OrderKind
+    location: str | None = None
+    """Where: a target, blockade or meeting point."""
+    partner: str | None = None
+    """The other robot of docking and undocking."""
+    expected_duration_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """How one step of a plan reads as an order for one of the robots that take part in it."""
+
+    robot: str
+    kind: OrderKind
+    location: str
+    partner: str | None = None
+
+
+def place_of(robot: str) -> str:
+    """The id of the place where a robot is now, a location of its own."""
+    return f"{robot} place"
+
+
+class Formulation(ABC):
+    """A domain's view of a mission.
+
+    Subclasses say which modules the domain calls, how a state reads as facts and goals, and how a
+    plan's
+    step reads as orders.
+    """
+
+    wait_margin_s = 0.5
+    """A step that starts later than this waits for another robot; its robot waits too."""
+
+    def __init__(self, folder: Path, attachments: Sequence[str]) -> None:
+        self.name = folder.name
+        self.domain_path = folder / "domain.pddl"
+        self.attachments = tuple(attachments)
+
+    @abstractmethod
+    def write(
+        self, text: ProblemText, world: World, state: MissionState, goals: Iterable[str]
+    ) -> None:
+        """Adds objects, facts and goals of `state`; `goals` are the ids of the targets to visit."""
+
+    @abstractmethod
+    def orders(self, step: Step, names: Names) -> Sequence[Order]:
+        """The orders that a step means, one for each robot taking part."""
+
+    @abstractmethod
+    def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
+        """Ids of the targets that the team can visit, as far as is known (delete relaxation)."""
+
+    @staticmethod
+    def names(state: MissionState) -> Names:
+        """PDDL names of everything in a state, the same for the same state."""
+        return Names(
+            [robot.id for robot in state.robots]
+            + [target.id for target in state.targets]
+            + [blockade.id for blockade in state.blockades]
+            + [meeting.id for meeting in state.meeting_points]
+            + [place_of(robot.id) for robot in state.robots]
+        )
+
+    def world(
+        self,
+        state: MissionState,
+        grid: GridMap,
+        models: Mapping[str, RobotModel],
+        version: int = 0,
+    ) -> World:
+        """The frozen world that the attachments see, keyed by PDDL names.
+
+        Args:
+            grid: the map as known, without blockades.
+            models: robot model of each robot type.
+        """
+        names = self.names(state)
+        locations = {
+            names.name(place_of(robot.id)): Location(position_m=robot.position_m)
+            for robot in state.robots
+        }
+        places: tuple[Target | MeetingPoint, ...] = (*state.targets, *state.meeting_points)
+        for place in places:
+            locations[names.name(place.id)] = Location(position_m=place.position_m)
+        blockades = {}
+        for blockade in state.blockades:
+            name = names.name(blockade.id)
+            locations[name] = Location(position_m=blockade.centre_m, blockade=name)
+            blockades[name] = Blockade(
+                id=name,
+                segment_m=blockade.segment_m,
+                clear_duration_s=blockade.clear_duration_s,
+            )
+        return World(
+            grid=grid,
+            locations=locations,
+            robots={names.name(robot.id): models[robot.type] for robot in state.robots},
+            blockades=blockades,
+            version=version,
+        )
+
+    def problem(
+        self,
+        world: World,
+        state: MissionState,
+        goals: Iterable[str] | None = None,
+        name: str = "mission",
+    ) -> str:
+        """PDDL text of the problem a state poses.
+
+        Args:
+            goals: ids of the targets to visit; all of them if not given.
+            name: the problem's name.
+        """
+        text = ProblemText(name=name, domain=self.name, names=self.names(state))
+        self.write(text, world, state, [t.id for t in state.targets] if goals is None else goals)
+        return text.render()
+
+    def assignments(self, plan: Plan, state: MissionState) -> tuple[Assignment, ...]:
+        """What each free robot does first; a robot without a step in the plan gets none.
+
+        A movement to where the robot has just arrived is skipped. A step that has to wait for
+        somebody else makes its
+        robot wait at its place.
+        """
+        names = self.names(state)
+        agenda: dict[str, list[tuple[Step, Order]]] = defaultdict(list)
+        for step in sorted(plan, key=lambda step: step.start):
+            for order in self.orders(step, names):
+                agenda[order.robot].append((step, order))
+        return tuple(
+            self._first(robot, agenda[robot.id])
+            for robot in state.robots
+            if agenda[robot.id] and robot.activity in (Activity.FREE, Activity.DOCKED)
+        )
+
+    def _first(self, robot: RobotState, agenda: Sequence[tuple[Step, Order]]) -> Assignment:
+        begun_s = 0.0
+        for step, order in agenda:
+            if order.kind is OrderKind.MOVE and order.location == robot.arrived_at:
+                begun_s = step.start + (step.duration or 0.0)
+                continue
+            kind = order.kind if step.start <= begun_s + self.wait_margin_s else OrderKind.WAIT
+            return Assignment(
+                robot=robot.id,
+                kind=kind,
+                location=order.location,
+                partner=order.partner,
+                expected_duration_s=step.duration or 0.0,
+            )
+        return Assignment(robot=robot.id, kind=OrderKind.WAIT, location=robot.arrived_at)

@@ -1,0 +1,145 @@
+"""Exploration with marsupial teams as a planning problem (Wurm, section 3.4.2)."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from math import isfinite
+from pathlib import Path
+
+from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of
+from domains.geometry_text import write_location, write_robot
+from domains.mission_state import Activity, MissionState, PositionM, RobotState
+from domains.naming import Names
+from domains.pddl_text import ProblemText
+from planner import Step
+from semantic_attachments.world import GridMap, World
+
+SOONEST_S = 0.1
+"""A timed literal lies after time 0, also for an activity that should have ended by now."""
+
+
+class MarsupialFormulation(Formulation):
+    """Robots that have arrived at a meeting point are at it; all others are at places of their own.
+
+    A dock or undock under way ends by timed literals: until then neither robot is anywhere.
+    """
+
+    def write(
+        self, text: ProblemText, world: World, state: MissionState, goals: Iterable[str]
+    ) -> None:
+        names = self.names(state)
+        for target in state.targets:
+            write_location(text, target.id, "target", target.position_m)
+        for meeting in state.meeting_points:
+            write_location(text, meeting.id, "meeting", meeting.position_m)
+        team = [robot for robot in state.robots if robot.activity is not Activity.FAILED]
+        aboard = Counter(
+            robot.partner
+            for robot in team
+            if robot.type == "rover" and robot.activity in (Activity.DOCKED, Activity.DOCKING)
+        )
+        for robot in team:
+            model = world.robots[names.name(robot.id)]
+            write_robot(text, robot.id, robot.type, model)
+            if robot.type == "carrier":
+                text.fluent("num_docked", robot.id, value=aboard[robot.id])
+                text.fluent("capacity", robot.id, value=state.capacities.get(robot.id, 0))
+            for target in state.targets:
+                if _terrain_class(world.grid, target.position_m) in model.enters:
+                    text.fact("can_explore", robot.id, target.id)
+            self._write_position(text, robot, state)
+        for goal in goals:
+            text.goal("explored", goal)
+
+    def _write_position(self, text: ProblemText, robot: RobotState, state: MissionState) -> None:
+        if robot.activity is Activity.DOCKED and robot.partner is not None:
+            text.fact("on", robot.id, robot.partner)
+            return
+        place = robot.arrived_at
+        if place not in {meeting.id for meeting in state.meeting_points} or place is None:
+            place = place_of(robot.id)
+            write_location(text, place, "location", robot.position_m)
+        free_in_s = max(robot.free_at_s - state.time_s, SOONEST_S)
+        if robot.activity is Activity.DOCKING and robot.type == "rover" and robot.partner:
+            text.timed_fact(free_in_s, "on", robot.id, robot.partner)
+        elif robot.activity in (Activity.DOCKING, Activity.UNDOCKING):
+            text.timed_fact(free_in_s, "at", robot.id, place)
+        else:
+            text.fact("at", robot.id, place)
+
+    def orders(self, step: Step, names: Names) -> Sequence[Order]:
+        arguments = [names.id(name) for name in step.arguments]
+        match step.action:
+            case "move":
+                return [Order(arguments[0], OrderKind.MOVE, arguments[2])]
+            case "explore":
+                return [Order(arguments[0], OrderKind.EXPLORE, arguments[2])]
+            case "dock" | "undock":
+                kind = OrderKind(step.action)
+                rover, carrier, meeting = arguments
+                return [Order(rover, kind, meeting, carrier), Order(carrier, kind, meeting, rover)]
+            case _:
+                raise ValueError(f"the marsupial domain has no action {step.action!r}")
+
+    def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
+        names = self.names(state)
+        goals = [names.name(target.id) for target in state.targets]
+        meetings = [names.name(meeting.id) for meeting in state.meeting_points]
+        team = [robot for robot in state.robots if robot.activity is not Activity.FAILED]
+        reached: dict[str, set[str]] = {
+            robot.id: set()
+            if robot.activity is Activity.DOCKED
+            else {names.name(place_of(robot.id)), *self._meeting(robot, names)}
+            for robot in team
+        }
+        changed = True
+        while changed:
+            changed = False
+            for robot in team:
+                been = reached[robot.id]
+                arrivals = {
+                    goal
+                    for goal in (*goals, *meetings)
+                    if goal not in been
+                    and any(
+                        isfinite(cost(names.name(robot.id), place, goal)) for place in sorted(been)
+                    )
+                }
+                if robot.type == "rover":
+                    arrivals |= self._carried(robot, team, reached, set(meetings)) - been
+                changed |= bool(arrivals)
+                been |= arrivals
+        visited = set().union(*(reached[robot.id] for robot in team), set()) & set(goals)
+        return frozenset(names.id(name) for name in visited)
+
+    @staticmethod
+    def _meeting(robot: RobotState, names: Names) -> list[str]:
+        arrived = robot.arrived_at
+        return [names.name(arrived)] if arrived is not None and arrived in names else []
+
+    @staticmethod
+    def _carried(
+        rover: RobotState,
+        team: Sequence[RobotState],
+        reached: dict[str, set[str]],
+        meetings: set[str],
+    ) -> set[str]:
+        """Meeting points where some carrier could put the rover down."""
+        carried: set[str] = set()
+        for carrier in team:
+            if carrier.type != "carrier":
+                continue
+            aboard = rover.activity is Activity.DOCKED and rover.partner == carrier.id
+            if aboard or reached[rover.id] & reached[carrier.id] & meetings:
+                carried |= reached[carrier.id] & meetings
+        return carried
+
+
+def _terrain_class(grid: GridMap, position_m: PositionM) -> str | None:
+    """Class of the terrain at a position; None outside the map."""
+    cell = grid.cell_at(position_m)
+    if cell is None:
+        return None
+    return grid.terrain_classes[0 if grid.terrain is None else int(grid.terrain.flat[cell])]
+
+
+FORMULATION = MarsupialFormulation(Path(__file__).parent, ["pathCost", "dockCost", "undockCost"])
