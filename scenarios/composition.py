@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.maps import files
 from scenarios.maps.building_image import sample
+from scenarios.maps.files import write_map
 from scenarios.maps.free_space import closed, component_at, components
 from scenarios.maps.starts import draw_starts
 from scenarios.scenario_file import ScenarioFile
+from semantic_attachments.map_server import read_map
 from simulator.fleet_scenario import (
     Failure,
     FleetScenario,
@@ -46,7 +47,8 @@ def compose(
         ValueError: the scenario contradicts itself or its map.
     """
     map_path = _map_path(scenario, folder)
-    cells, resolution_m, origin_m = files.read(map_path)
+    grid = read_map(map_path)
+    cells, resolution_m, origin_m = grid.cells, grid.resolution_m, grid.origin_m
     robots = _robots(scenario, seed, cells, resolution_m, origin_m)
     fleet = FleetScenario(
         name=f"{scenario.name}, seed {seed}",
@@ -75,6 +77,11 @@ def compose(
     )
 
 
+def map_cells(scenario: ScenarioFile, folder: Path) -> NDArray[np.int8]:
+    """The occupancy grid `(height, width)` of a scenario's map."""
+    return read_map(_map_path(scenario, folder)).cells
+
+
 def _map_path(scenario: ScenarioFile, folder: Path) -> Path:
     section = scenario.map
     if section.file is not None:
@@ -82,7 +89,7 @@ def _map_path(scenario: ScenarioFile, folder: Path) -> Path:
     if section.image is None or section.size_m is None:
         raise ValueError(f"scenario {scenario.name!r} has no map")
     cells = sample(section.image, section.size_m, section.resolution_m, section.inside_m)
-    return files.write_map(folder, section.image.stem, cells, section.resolution_m)
+    return write_map(folder, section.image.stem, cells, section.resolution_m)
 
 
 def _robots(

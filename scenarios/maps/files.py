@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
-from PIL import Image
 
-from scenarios.maps.floor_plan import FREE, OCCUPIED, UNKNOWN
+from scenarios.maps.floor_plan import FREE, OCCUPIED
 from scenarios.maps.placement import Placement
 
 GREY = {FREE: 254, OCCUPIED: 0}
@@ -73,16 +70,3 @@ def write_annotations(folder: Path, name: str, placement: Placement) -> Path:
     path = folder / f"{name}.toml"
     path.write_text(annotations_toml(placement), encoding="utf-8")
     return path
-
-
-def read(path: Path) -> tuple[NDArray[np.int8], float, tuple[float, float]]:
-    """Cells `(height, width)`, resolution [m] and origin [m] of a map_server YAML file."""
-    text: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
-    with Image.open(path.parent / text["image"]) as image:
-        grey = np.asarray(image.convert("L"), np.float64)[::-1]
-    occupancy = grey / 255 if text.get("negate", 0) else 1 - grey / 255
-    cells = np.full(grey.shape, UNKNOWN, np.int8)
-    cells[occupancy > text["occupied_thresh"]] = OCCUPIED
-    cells[occupancy < text["free_thresh"]] = FREE
-    x, y, *_ = text["origin"]
-    return cells, float(text["resolution"]), (float(x), float(y))
