@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 from scenarios.maps.building_image import sample
 from scenarios.maps.files import write_map
 from scenarios.maps.free_space import closed, component_at, components
+from scenarios.maps.generators import GENERATORS
+from scenarios.maps.placement import place
 from scenarios.maps.starts import draw_starts
-from scenarios.scenario_file import ScenarioFile
+from scenarios.scenario_file import BlockadeSection, ScenarioFile, TargetSection
 from semantic_attachments.map_server import read_map
 from simulator.fleet_scenario import (
     Failure,
@@ -46,7 +49,8 @@ def compose(
     Raises:
         ValueError: the scenario contradicts itself or its map.
     """
-    map_path = _map_path(scenario, folder)
+    scenario, map_path = _with_map(scenario, folder)
+    scenario = _with_blockade_share(scenario, seed)
     grid = read_map(map_path)
     cells, resolution_m, origin_m = grid.cells, grid.resolution_m, grid.origin_m
     robots = _robots(scenario, seed, cells, resolution_m, origin_m)
@@ -79,17 +83,47 @@ def compose(
 
 def map_cells(scenario: ScenarioFile, folder: Path) -> NDArray[np.int8]:
     """The occupancy grid `(height, width)` of a scenario's map."""
-    return read_map(_map_path(scenario, folder)).cells
+    return read_map(_with_map(scenario, folder)[1]).cells
 
 
-def _map_path(scenario: ScenarioFile, folder: Path) -> Path:
+def _with_map(scenario: ScenarioFile, folder: Path) -> tuple[ScenarioFile, Path]:
+    """The scenario with the targets and blockades of its map, and the map_server file."""
     section = scenario.map
     if section.file is not None:
-        return section.file
-    if section.image is None or section.size_m is None:
-        raise ValueError(f"scenario {scenario.name!r} has no map")
-    cells = sample(section.image, section.size_m, section.resolution_m, section.inside_m)
-    return write_map(folder, section.image.stem, cells, section.resolution_m)
+        return scenario, section.file
+    if section.image is not None and section.size_m is not None:
+        cells = sample(section.image, section.size_m, section.resolution_m, section.inside_m)
+        return scenario, write_map(folder, section.image.stem, cells, section.resolution_m)
+    if section.generator not in GENERATORS:
+        known = ", ".join(sorted(GENERATORS))
+        raise ValueError(f"map.generator: no {section.generator!r}; use one of {known}")
+    generator, parameters = GENERATORS[section.generator]
+    plan = generator(section.seed)
+    placement = place(plan, section.seed, parameters)
+    update = {
+        "targets": (
+            *(TargetSection(id=t.id, position_m=t.position_m) for t in placement.targets),
+            *scenario.targets,
+        ),
+        "blockades": (
+            *(
+                BlockadeSection(id=b.id, segment_m=b.segment_m, clear_duration_s=b.clear_duration_s)
+                for b in placement.blockades
+            ),
+            *scenario.blockades,
+        ),
+    }
+    name = f"{section.generator}_{section.seed}"
+    path = write_map(folder, name, plan.cells(), plan.resolution_m)
+    return scenario.model_copy(update=update), path
+
+
+def _with_blockade_share(scenario: ScenarioFile, seed: int) -> ScenarioFile:
+    kept = round(scenario.blockade_share * len(scenario.blockades))
+    if kept == len(scenario.blockades):
+        return scenario
+    order = sorted(Random(f"blockades {seed}").sample(range(len(scenario.blockades)), kept))
+    return scenario.model_copy(update={"blockades": tuple(scenario.blockades[k] for k in order)})
 
 
 def _robots(

@@ -31,9 +31,12 @@ class _Section(BaseModel):
 
 
 class MapSection(_Section):
-    """A map_server YAML file, or an image with the size of what it shows."""
+    """A map_server YAML file, an image with the size of what it shows, or a generated building."""
 
     file: Path | None = None
+    generator: str | None = None
+    """a building of `scenarios.maps`, with targets and blockades, drawn by `seed`"""
+    seed: int = 1
     image: Path | None = None
     """dark pixels are walls; the whole image spans `size_m`"""
     size_m: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]] | None = None
@@ -46,8 +49,10 @@ class MapSection(_Section):
 
     @model_validator(mode="after")
     def _one_source(self) -> MapSection:
-        if (self.file is None) == (self.image is None):
-            raise ValueError("give either file (map_server YAML) or image with size_m")
+        if [self.file, self.image, self.generator].count(None) != 2:
+            raise ValueError(
+                "give one of file (map_server YAML), image (with size_m) and generator"
+            )
         if self.image is not None and self.size_m is None:
             raise ValueError("an image needs size_m = [width, height] of what it shows")
         return self
@@ -136,6 +141,8 @@ class ScenarioFile(_Section):
     """robots with start poses of their own, instead of or beside `team`"""
     targets: tuple[TargetSection, ...] = ()
     blockades: tuple[BlockadeSection, ...] = ()
+    blockade_share: Annotated[float, Field(ge=0, le=1)] = 1.0
+    """share of the blockades that are there; the seed draws which"""
     planning: PlanningSection = PlanningSection()
     noise: NoiseSection = NoiseSection()
     failures: tuple[FailureSection, ...] = ()

@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
-from scenarios.maps import hospital
 from scenarios.maps.files import write_annotations, write_map
-from scenarios.maps.floor_plan import FloorPlan
-from scenarios.maps.placement import PlacementParameters, place
-
-GENERATORS: dict[str, tuple[Callable[[int], FloorPlan], PlacementParameters]] = {
-    "hospital": (hospital.draw, PlacementParameters()),
-}
+from scenarios.maps.generators import GENERATORS
+from scenarios.maps.placement import place
 
 
 def draw(kind: str, seed: int, folder: Path) -> float:

@@ -87,7 +87,9 @@ def place_in_building(
         random=random,
     )
     positions = _positions(cells, resolution_m, parameters, passages, random)
-    segments = _sealing(cells, resolution_m, positions, passages, parameters, random)
+    segments = _sealing(
+        cells, resolution_m, positions, passages, parameters=parameters, random=random
+    )
     targets = tuple(Target(f"target_{k}", p) for k, p in enumerate(positions, start=1))
     blockades = tuple(
         Blockade(f"blockade_{k}", s, round(parameters.clear_s_per_m * hypot(*_vector(s)), 1))
@@ -129,6 +131,7 @@ def _sealing(
     resolution_m: float,
     positions: list[Point],
     passages: list[Passage],
+    *,
     parameters: PlacementParameters,
     random: Random,
 ) -> list[Segment]:

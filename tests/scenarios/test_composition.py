@@ -37,3 +37,25 @@ def test_strategy_given_by_the_caller_wins(tmp_path: Path) -> None:
     assert compose(scenario, seed=1, folder=tmp_path).fleet.strategy == "planner"
     made = compose(scenario, seed=1, folder=tmp_path, strategy="hungarian")
     assert made.fleet.strategy == "hungarian"
+
+
+def test_generated_map_brings_targets_and_blockades(tmp_path: Path) -> None:
+    scenario = read_scenario(HOSPITAL.parent / "power_plant.toml")
+    fleet = compose(scenario, seed=1, folder=tmp_path).fleet
+    assert (len(fleet.targets), len(fleet.blockades)) == (13, 58)
+    assert fleet.map_path == tmp_path / "power_plant_1.yaml"
+
+
+def test_unknown_generator_is_named(tmp_path: Path) -> None:
+    scenario = read_scenario(HOSPITAL.parent / "power_plant.toml")
+    section = scenario.map.model_copy(update={"generator": "castle"})
+    with pytest.raises(ValueError, match=r"no 'castle'; use one of hospital"):
+        compose(scenario.model_copy(update={"map": section}), seed=1, folder=tmp_path)
+
+
+@pytest.mark.parametrize(("share", "left"), [(0.8, 14), (0.0, 0), (1.0, 18)])
+def test_blockade_share(tmp_path: Path, share: float, left: int) -> None:
+    scenario = read_scenario(HOSPITAL).model_copy(update={"blockade_share": share})
+    one, other = (compose(scenario, seed=seed, folder=tmp_path).fleet for seed in (1, 2))
+    assert len(one.blockades) == len(other.blockades) == left
+    assert (one.blockades == other.blockades) == (share in (0.0, 1.0))

@@ -56,7 +56,7 @@ def test_targets_of_file_and_annotations_add_up(tmp_path: Path) -> None:
         ("speed_m_s = 1.0", "speed_m_s = -1", "speed_m_s: input should be greater than 0, not -1"),
         ("explorer = 1", "explorers = 1", "unknown robot type 'explorers'; use one of explorer"),
         ("explorer = 1", "explorer = 0", "no robots; add a"),
-        ('file = "small.yaml"', "", "map: give either file"),
+        ('file = "small.yaml"', "", "map: give one of file"),
         ("[team]", "[team", "not TOML: .*line 7"),
     ],
 )
