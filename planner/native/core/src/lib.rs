@@ -10,6 +10,7 @@
 //! ```
 
 pub mod attachment;
+pub mod format;
 pub mod grounding;
 pub mod outcome;
 pub mod pddl;

@@ -1,6 +1,7 @@
 //! Faults: code, place and remedy.
 
 use planner_core::pddl::{read_domain, read_problem};
+use planner_core::plan::reader;
 use planner_core::syntax::code::{Code, TABLE};
 use planner_core::syntax::diagnostic::{Diagnostic, Severity};
 use planner_core::syntax::render::render;
@@ -24,7 +25,16 @@ fn diagnose(text: &str) -> Vec<Diagnostic> {
     };
     let (domain, mut diagnostics) = read_domain(&source);
     if let (Some(text), Some(domain)) = (problem_text, domain) {
-        diagnostics.extend(read_problem(&SourceFile::new("p.pddl", text), &domain).1);
+        let (text, plan_text) = match text.split_once("\n;;; plan\n") {
+            Some((problem, plan)) => (problem, Some(plan)),
+            None => (text, None),
+        };
+        let (problem, more) = read_problem(&SourceFile::new("p.pddl", text), &domain);
+        diagnostics.extend(more);
+        if let (Some(text), Some(problem)) = (plan_text, problem) {
+            let source = SourceFile::new("plan", text);
+            diagnostics.extend(reader::read(&source, &domain, &problem).1);
+        }
     }
     diagnostics
 }

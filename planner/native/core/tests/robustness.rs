@@ -11,7 +11,7 @@ fn codes(text: impl Into<String>) -> Vec<Code> {
     let source = SourceFile::new("d.pddl", text.into());
     let (_, diagnostics) = read_domain(&source);
     // Rendering must cope with whatever was found.
-    render_all(&diagnostics, &source, None);
+    let _ = render_all(&diagnostics, &source, None);
     diagnostics
         .iter()
         .map(|diagnostic| diagnostic.code)
@@ -81,7 +81,7 @@ fn bytes_that_are_no_text() {
         let source = SourceFile::from_bytes("d.pddl", bytes);
         let (_, diagnostics) = read_domain(&source);
         assert!(has_errors(&diagnostics), "{bytes:?}");
-        render_all(&diagnostics, &source, None);
+        let _ = render_all(&diagnostics, &source, None);
     }
 }
 

@@ -147,6 +147,11 @@ pub(super) fn check(
         let Some(span) = sink.usage.first[feature as usize] else {
             continue;
         };
+        // A problem cannot help using what its domain is made of; the domain has the warning.
+        let of_domain = matches!(feature, Feature::Typing | Feature::NumericFluents);
+        if of_domain && declared.len() > 1 {
+            continue;
+        }
         let has = |flag: &str| {
             declared
                 .iter()
