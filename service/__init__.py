@@ -1,1 +1,1 @@
-"""TODO."""
+"""The coordination service: missions over HTTP, planned, dispatched, stored and replanned."""

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Where planning runs: the executor port and its implementations."""

@@ -1,1 +1,1 @@
-"""TODO."""
+"""The event log in a database: what is acknowledged is on disk."""

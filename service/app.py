@@ -1,0 +1,55 @@
+"""The application: its parts put together."""
+
+import importlib.metadata
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import FastAPI
+
+from service import json_body, problem_details
+from service.coordination.coordinator import LoopParameters
+from service.coordination.registry import Missions
+from service.coordination.strategies import STRATEGIES
+from service.jobs.threads import PlanningThreads
+from service.routes import health, missions
+from service.settings import Settings
+from service.store.engine import connect
+from service.store.event_store import EventStore
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The coordination service; opens its database when it starts, not before."""
+    settings = settings or Settings()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        store = EventStore(connect(settings.database_url))
+        planners = PlanningThreads(settings.planning_workers)
+        app.state.missions = Missions(
+            store,
+            STRATEGIES,
+            planners,
+            LoopParameters(debounce_s=settings.debounce_s, idle_replan_s=settings.idle_replan_s),
+            max_missions=settings.max_missions,
+            max_map_cells=settings.max_map_cells,
+        )
+        await app.state.missions.restore()
+        try:
+            yield
+        finally:
+            await app.state.missions.stop()
+            planners.close()
+            store.close()
+
+    app = FastAPI(
+        title="marsupial",
+        summary="Coordinates teams of unlike robots by temporal planning",
+        version=importlib.metadata.version("marsupial"),
+        lifespan=lifespan,
+    )
+    app.state.settings = settings
+    problem_details.install(app)
+    json_body.install_openapi(app, missions.BODIES)
+    app.include_router(health.ROUTER)
+    app.include_router(missions.ROUTER)
+    return app

@@ -1,0 +1,1 @@
+"""Commands that the `marsupial` command line takes from this room."""

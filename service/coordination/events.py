@@ -1,0 +1,103 @@
+"""What can happen to a mission; its state is the fold of these over time.
+
+Each event is stored before anybody hears of it, so that a mission rebuilt from the log is the
+mission that was acknowledged.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, TypeAdapter
+
+from service.messages.base import Message, Seconds
+from service.messages.mission import CreateMission
+from service.messages.plan import PlanStep
+from service.messages.report import Command, Report
+
+TerminalStatus = Literal["completed", "failed", "canceled"]
+
+
+class MissionCreated(Message):
+    """A mission was accepted."""
+
+    kind: Literal["mission-created"] = "mission-created"
+    id: str
+    request: CreateMission
+
+
+class ReportAccepted(Message):
+    """A report of the fleet was accepted."""
+
+    kind: Literal["report-accepted"] = "report-accepted"
+    report: Report
+
+
+class OrdersIssued(Message):
+    """The commands in force changed, with or without a new plan behind them."""
+
+    kind: Literal["orders-issued"] = "orders-issued"
+    time_s: Seconds
+    revision: int
+    reason: str
+    """What made the service plan, and why this plan."""
+    commands: list[Command]
+    """The current command of every robot that has one."""
+    new_plan: bool
+    steps: list[PlanStep] = Field(default_factory=list)
+    """The new plan, starts in mission time; empty if the plan in force goes on."""
+    validated: bool = False
+
+
+class PlanKept(Message):
+    """A replan changed nothing."""
+
+    kind: Literal["plan-kept"] = "plan-kept"
+    time_s: Seconds
+    reason: str
+
+
+class PlanningFailed(Message):
+    """A replan found no plan."""
+
+    kind: Literal["planning-failed"] = "planning-failed"
+    time_s: Seconds
+    reason: str
+
+
+class RobotLost(Message):
+    """A robot's lease ran out: it is planned around until it reports again."""
+
+    kind: Literal["robot-lost"] = "robot-lost"
+    time_s: Seconds
+    robot: str
+
+
+class MissionClosed(Message):
+    """The mission reached its one terminal state."""
+
+    kind: Literal["mission-closed"] = "mission-closed"
+    time_s: Seconds
+    status: TerminalStatus
+    reason: str
+
+
+Event = Annotated[
+    MissionCreated
+    | ReportAccepted
+    | OrdersIssued
+    | PlanKept
+    | PlanningFailed
+    | RobotLost
+    | MissionClosed,
+    Field(discriminator="kind"),
+]
+_EVENT: TypeAdapter[Event] = TypeAdapter(Event)
+
+
+def to_json(event: Event) -> str:
+    """The event as it is stored."""
+    return event.model_dump_json()
+
+
+def from_json(text: str) -> Event:
+    """Reads what `to_json` wrote."""
+    return _EVENT.validate_json(text)

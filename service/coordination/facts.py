@@ -1,0 +1,69 @@
+"""Which facts ask for a new decision (thesis 3.3: "whenever new information arrives")."""
+
+from collections.abc import Iterator
+
+from service.coordination.mission import Mission
+from service.messages.report import Report
+
+LATE_FACTOR = 1.5
+LATE_SLACK_S = 5.0
+"""A command is late after its expected duration times the factor plus the slack."""
+
+
+def facts_in(mission: Mission, report: Report) -> list[str]:
+    """What `report` tells that `mission`, which has not applied it yet, did not know."""
+    return list(dict.fromkeys(_facts(mission, report)))
+
+
+def _facts(mission: Mission, report: Report) -> Iterator[str]:
+    if mission.status == "queued":
+        yield "the mission begins"
+    for blockade in report.blockades:
+        if blockade.id not in mission.blockades:
+            yield f"blockade {blockade.id} seen"
+    for finished in report.finished:
+        order = mission.orders.get(finished.command)
+        if order is not None and order.kind != "wait":
+            where = order.location or order.partner or ""
+            yield f"{finished.robot} finished {order.kind} {where}".rstrip()
+    for failed in report.failed:
+        if failed.command not in mission.closed:
+            yield f"{failed.robot} gave up its command: {failed.reason}"
+    if report.sequence > mission.sequence:
+        for robot_report in report.robots:
+            robot = mission.robots[robot_report.id]
+            if robot_report.state == "failed" and robot.state != "failed":
+                yield f"{robot.id} failed"
+            elif robot_report.state != "failed" and not robot.takes_part:
+                yield f"{robot.id} is back"
+
+
+def late_robots(mission: Mission) -> list[str]:
+    """Robots whose command takes much longer than expected."""
+    return [
+        robot_id
+        for robot_id, command in mission.commands.items()
+        if command.kind != "wait"
+        and command.expected_duration_s is not None
+        and command.id in mission.issued_at_s
+        and mission.time_s
+        > mission.issued_at_s[command.id] + command.expected_duration_s * LATE_FACTOR + LATE_SLACK_S
+    ]
+
+
+def silent_robots(mission: Mission) -> list[str]:
+    """Robots whose lease has run out while others reported."""
+    return [
+        robot.id
+        for robot in mission.robots.values()
+        if not robot.lost and mission.time_s - robot.reported_at_s > mission.request.lease_s
+    ]
+
+
+def is_idle(mission: Mission) -> bool:
+    """Whether there is work left and a robot that has no order but to wait."""
+    return mission.targets_left > 0 and any(
+        robot.takes_part
+        and (robot.id not in mission.commands or mission.commands[robot.id].kind == "wait")
+        for robot in mission.robots.values()
+    )

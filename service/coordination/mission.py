@@ -1,0 +1,348 @@
+"""A mission: the state that its events add up to.
+
+`Mission.apply` is the only place that changes it. The same events in the same order give the same
+mission, before and after a crash.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from service.coordination.events import (
+    Event,
+    MissionClosed,
+    MissionCreated,
+    OrdersIssued,
+    PlanKept,
+    PlanningFailed,
+    ReportAccepted,
+    RobotLost,
+)
+from service.messages.base import Pose, Position
+from service.messages.mission import CreateMission
+from service.messages.plan import Decision, PlanStep
+from service.messages.report import (
+    Command,
+    CommandKind,
+    MissionStatus,
+    Report,
+    RobotActivity,
+    RobotReport,
+)
+
+DECISIONS_KEPT = 200
+ARRIVAL_TOLERANCE_M = 0.5
+"""A robot that has moved further than this has left the place where it arrived."""
+_LOCATED: frozenset[CommandKind] = frozenset({"move", "explore", "dock", "undock"})
+
+
+@dataclass(slots=True)
+class FleetRobot:
+    """A robot as last reported."""
+
+    id: str
+    type: str
+    pose: Pose
+    state: RobotActivity = "idle"
+    command: str | None = None
+    busy_until_s: float | None = None
+    carrier: str | None = None
+    arrived_at: str | None = None
+    """Where its last movement ended, until it moves on."""
+    arrival_pose: Pose = (0.0, 0.0, 0.0)
+    reported_at_s: float = 0.0
+    lost: bool = False
+
+    @property
+    def takes_part(self) -> bool:
+        """Whether it can be planned with."""
+        return not self.lost and self.state != "failed"
+
+    @property
+    def position_m(self) -> Position:
+        """Where it is in the map frame."""
+        return self.pose[0], self.pose[1]
+
+
+@dataclass(slots=True)
+class MissionTarget:
+    """A place to visit."""
+
+    id: str
+    position_m: Position
+    visited_by: str | None = None
+    visited_at_s: float | None = None
+
+
+@dataclass(slots=True)
+class MissionBlockade:
+    """A blockade somebody has sensed."""
+
+    id: str
+    segment_m: tuple[Position, Position]
+    clear_duration_s: float
+    seen_at_s: float
+    cleared_by: str | None = None
+    cleared_at_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PlanInForce:
+    """The plan that the commands come from; starts in mission time [s]."""
+
+    steps: tuple[PlanStep, ...]
+    validated: bool
+    revision: int
+    adopted_at_s: float
+
+    @property
+    def end_s(self) -> float:
+        """Mission time at which the last step ends."""
+        return max((step.start_s + (step.duration_s or 0.0) for step in self.steps), default=0.0)
+
+
+@dataclass(slots=True)
+class Mission:
+    """The aggregate; built by `Mission.created`, changed by `apply` alone."""
+
+    id: str
+    request: CreateMission
+    robots: dict[str, FleetRobot]
+    targets: dict[str, MissionTarget]
+    blockades: dict[str, MissionBlockade] = field(default_factory=dict)
+    status: MissionStatus = "queued"
+    status_reason: str = "waiting for the fleet's first report"
+    time_s: float = 0.0
+    sequence: int = -1
+    missing: set[int] = field(default_factory=set)
+    """Sequence numbers below `sequence` that never arrived."""
+    revision: int = 0
+    replans: int = 0
+    plan: PlanInForce | None = None
+    commands: dict[str, Command] = field(default_factory=dict)
+    """The command in force of each robot."""
+    issued_at_s: dict[str, float] = field(default_factory=dict)
+    orders: dict[str, Command] = field(default_factory=dict)
+    """Every command ever issued that is not closed: a late `finished` is still a fact."""
+    closed: set[str] = field(default_factory=set)
+    """Commands reported as finished or failed."""
+    failures: dict[tuple[str, str], int] = field(default_factory=dict)
+    """How often a robot gave up a command to a place."""
+    decisions: list[Decision] = field(default_factory=list)
+    events: int = 0
+
+    @classmethod
+    def created(cls, event: MissionCreated) -> "Mission":
+        """The mission as it begins."""
+        request = event.request
+        return cls(
+            id=event.id,
+            request=request,
+            robots={
+                robot.id: FleetRobot(
+                    robot.id,
+                    robot.type,
+                    robot.pose,
+                    state="idle" if robot.carrier is None else "docked",
+                    carrier=robot.carrier,
+                )
+                for robot in request.robots
+            },
+            targets={t.id: MissionTarget(t.id, t.position_m) for t in request.targets},
+            events=1,
+        )
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it reached its terminal state."""
+        return self.status in ("completed", "failed", "canceled")
+
+    @property
+    def targets_left(self) -> int:
+        """Targets nobody has visited."""
+        return sum(target.visited_by is None for target in self.targets.values())
+
+    def is_new(self, sequence: int) -> bool:
+        """Whether a report with this number has not been accepted before."""
+        return sequence > self.sequence or sequence in self.missing
+
+    def apply(self, event: Event) -> None:
+        """Brings the mission to the state after `event`."""
+        self.events += 1
+        match event:
+            case ReportAccepted(report=report):
+                self._apply_report(report)
+            case OrdersIssued():
+                self._apply_orders(event)
+            case PlanKept():
+                self.replans += 1
+                self._decide(event.time_s, "plan kept", event.reason)
+                self._recover()
+            case PlanningFailed():
+                self.replans += 1
+                self._decide(event.time_s, "no plan", event.reason)
+                self.status, self.status_reason = "delayed", event.reason
+            case RobotLost():
+                self.robots[event.robot].lost = True
+                self._drop_command(event.robot)
+                self._decide(event.time_s, "robot lost", f"{event.robot} fell silent")
+            case MissionClosed():
+                if self.is_over:
+                    raise ValueError(f"mission {self.id} has ended before, as {self.status}")
+                self.status, self.status_reason = event.status, event.reason
+                self.commands.clear()
+                self._decide(event.time_s, event.status, event.reason)
+            case MissionCreated():
+                raise ValueError(f"mission {self.id} was created before")
+
+    def _decide(self, time_s: float, kind: str, reason: str) -> None:
+        self.decisions.append(
+            Decision(time_s=time_s, revision=self.revision, kind=kind, reason=reason)
+        )
+        del self.decisions[:-DECISIONS_KEPT]
+
+    def _recover(self) -> None:
+        if self.status in ("queued", "delayed"):
+            self.status, self.status_reason = "underway", ""
+
+    # Reports
+
+    def _apply_report(self, report: Report) -> None:
+        late = report.sequence < self.sequence
+        if late:
+            self.missing.discard(report.sequence)
+        else:
+            self.missing |= set(range(self.sequence + 1, report.sequence))
+            self.sequence = report.sequence
+            self.time_s = max(self.time_s, report.time_s)
+            for robot_report in report.robots:
+                self._apply_robot(robot_report)
+        if self.status == "queued":
+            self.status, self.status_reason = "underway", ""
+        for blockade in report.blockades:
+            # Seen again: the same thing, or one that is known to be cleared.
+            if blockade.id not in self.blockades:
+                self.blockades[blockade.id] = MissionBlockade(
+                    blockade.id,
+                    blockade.segment_m,
+                    blockade.clear_duration_s,
+                    seen_at_s=report.time_s,
+                )
+        for finished in report.finished:
+            self._finish(finished.robot, finished.command, report.time_s)
+        for failed in report.failed:
+            self._fail(failed.robot, failed.command, report.time_s, failed.reason)
+
+    def _apply_robot(self, report: RobotReport) -> None:
+        robot = self.robots[report.id]
+        robot.pose = report.pose
+        robot.state = report.state
+        robot.command = report.command
+        robot.busy_until_s = report.busy_until_s
+        robot.reported_at_s = self.time_s
+        if robot.lost:
+            robot.lost = False
+            self._decide(self.time_s, "robot back", f"{robot.id} reports again")
+        if robot.state == "failed":
+            self._drop_command(robot.id)
+        if robot.state != "docked" and robot.arrived_at is not None:
+            (x, y, _), (arrival_x, arrival_y, _) = robot.pose, robot.arrival_pose
+            if (x - arrival_x) ** 2 + (y - arrival_y) ** 2 > ARRIVAL_TOLERANCE_M**2:
+                robot.arrived_at = None
+
+    def _finish(self, robot_id: str, command_id: str, time_s: float) -> None:
+        if command_id in self.closed:
+            return
+        command = self.orders[command_id]
+        robot = self.robots[robot_id]
+        self._close(robot_id, command_id)
+        match command.kind:
+            case "explore":
+                target = self.targets.get(command.location or "")
+                if target is not None and target.visited_by is None:
+                    target.visited_by, target.visited_at_s = robot_id, time_s
+            case "clear":
+                blockade = self.blockades.get(command.location or "")
+                if blockade is not None and blockade.cleared_by is None:
+                    blockade.cleared_by, blockade.cleared_at_s = robot_id, time_s
+            case "dock":
+                self._board(robot_id, command, aboard=True)
+            case "undock":
+                self._board(robot_id, command, aboard=False)
+            case "move" | "wait":
+                pass
+        if command.kind in _LOCATED:
+            robot.arrived_at, robot.arrival_pose = command.location, robot.pose
+
+    def _board(self, robot_id: str, command: Command, *, aboard: bool) -> None:
+        """Either of the two robots may report the docking; the rover is the one that is carried."""
+        partner_id = command.partner or ""
+        carrier_types = {
+            name for name, kind in self.request.robot_types.items() if kind.capacity > 0
+        }
+        rover_id, carrier_id = robot_id, partner_id
+        if self.robots[robot_id].type in carrier_types:
+            rover_id, carrier_id = partner_id, robot_id
+        rover = self.robots[rover_id]
+        rover.carrier = carrier_id if aboard else None
+        if aboard and rover.state != "failed":
+            rover.state = "docked"
+        elif rover.state in ("docked", "undocking"):
+            rover.state = "idle"
+            rover.arrived_at, rover.arrival_pose = command.location, rover.pose
+
+    def _fail(self, robot_id: str, command_id: str, time_s: float, reason: str) -> None:
+        if command_id in self.closed:
+            return
+        command = self.orders[command_id]
+        self._close(robot_id, command_id)
+        place = command.location or ""
+        self.failures[robot_id, place] = self.failures.get((robot_id, place), 0) + 1
+        self._decide(
+            time_s, "command failed", f"{robot_id} gave up {command.kind} {place}: {reason}"
+        )
+
+    def _close(self, robot_id: str, command_id: str) -> None:
+        self.closed.add(command_id)
+        del self.orders[command_id]
+        if (current := self.commands.get(robot_id)) is not None and current.id == command_id:
+            self._drop_command(robot_id)
+
+    def _drop_command(self, robot_id: str) -> None:
+        if (command := self.commands.pop(robot_id, None)) is not None:
+            self.issued_at_s.pop(command.id, None)
+
+    # Orders
+
+    def _apply_orders(self, event: OrdersIssued) -> None:
+        self.revision = event.revision
+        self._decide(event.time_s, "new plan" if event.new_plan else "next steps", event.reason)
+        if event.new_plan:
+            self.replans += 1
+            self.plan = PlanInForce(
+                tuple(event.steps), event.validated, event.revision, event.time_s
+            )
+        for command in event.commands:
+            if command.id not in self.issued_at_s:
+                self.issued_at_s[command.id] = event.time_s
+            self.orders[command.id] = command
+        current = {command.robot: command for command in event.commands}
+        for robot_id in [robot for robot in self.commands if robot not in current]:
+            self._drop_command(robot_id)
+        self.commands = current
+        self._recover()
+
+
+def rebuilt(events: Iterable[Event]) -> Mission:
+    """The mission that these events add up to.
+
+    Raises:
+        ValueError: they do not begin with the mission's creation.
+    """
+    stream = iter(events)
+    first = next(stream, None)
+    if not isinstance(first, MissionCreated):
+        raise ValueError("a mission's events begin with its creation")
+    mission = Mission.created(first)
+    for event in stream:
+        mission.apply(event)
+    return mission

@@ -1,0 +1,34 @@
+"""What the coordination loop needs of the rest of the service."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Protocol, TypeVar
+
+from service.coordination.events import Event
+
+
+class StoreError(Exception):
+    """The event log refused; as far as it knows, nothing of this append was written."""
+
+
+class EventLog(Protocol):
+    """Where events are kept; `append` returns when they are on disk."""
+
+    async def append(self, mission_id: str, first_number: int, events: Sequence[Event]) -> None:
+        """Stores consecutive events of a mission, numbered from `first_number`."""
+        ...
+
+    def events(self, mission_id: str) -> Iterable[Event]:
+        """A mission's events in order."""
+        ...
+
+
+A = TypeVar("A")
+R = TypeVar("R")
+
+
+class Planners(Protocol):
+    """Where strategies run, away from the event loop."""
+
+    async def run(self, function: Callable[[A], R], argument: A) -> R:
+        """`function(argument)`, computed elsewhere."""
+        ...

@@ -1,0 +1,89 @@
+"""The mission as a strategy sees it: a frozen snapshot."""
+
+from collections.abc import Mapping
+
+from domains.mission_state import Activity, BlockadeState, MissionState, RobotState, Target
+from semantic_attachments.world import GridMap, RobotModel
+
+from service.coordination.mission import FleetRobot, Mission
+from service.coordination.strategy import Situation
+
+FAILURES_TOLERATED = 3
+"""A robot that gave up a place this often is not sent there again."""
+
+_BUSY = {
+    "clearing": Activity.CLEARING,
+    "docking": Activity.DOCKING,
+    "undocking": Activity.UNDOCKING,
+}
+
+
+def mission_state(mission: Mission) -> MissionState:
+    """What the domain's formulation needs; robots start from where they are now."""
+    return MissionState(
+        time_s=mission.time_s,
+        robots=tuple(_robot_state(mission, robot) for robot in mission.robots.values()),
+        targets=tuple(
+            Target(target.id, target.position_m)
+            for target in mission.targets.values()
+            if target.visited_by is None
+        ),
+        blockades=tuple(
+            BlockadeState(blockade.id, blockade.segment_m, blockade.clear_duration_s)
+            for blockade in mission.blockades.values()
+            if blockade.cleared_by is None
+        ),
+        capacities={
+            robot.id: mission.request.robot_types[robot.type].capacity
+            for robot in mission.robots.values()
+            if mission.request.robot_types[robot.type].capacity > 0
+        },
+    )
+
+
+def _robot_state(mission: Mission, robot: FleetRobot) -> RobotState:
+    activity, partner, free_at_s = _activity(mission, robot)
+    return RobotState(
+        id=robot.id,
+        type=robot.type,
+        position_m=robot.position_m,
+        activity=activity,
+        partner=partner,
+        arrived_at=robot.arrived_at,
+        free_at_s=free_at_s,
+    )
+
+
+def _activity(mission: Mission, robot: FleetRobot) -> tuple[Activity, str | None, float]:
+    """Activity, partner and the time it ends [s]."""
+    if not robot.takes_part:
+        return Activity.FAILED, None, 0.0
+    busy = _BUSY.get(robot.state)
+    order = mission.orders.get(robot.command or "")
+    if busy is not None and order is not None:
+        partner = order.location if busy is Activity.CLEARING else order.partner
+        if robot.busy_until_s is not None:
+            return busy, partner, robot.busy_until_s
+        begun_s = mission.issued_at_s.get(order.id, mission.time_s)
+        return busy, partner, begun_s + (order.expected_duration_s or 0.0)
+    if robot.carrier is not None:
+        return Activity.DOCKED, robot.carrier, 0.0
+    return Activity.FREE, None, 0.0
+
+
+def situation(
+    mission: Mission, grid: GridMap, models: Mapping[str, RobotModel], trigger: str
+) -> Situation:
+    """The snapshot that a decision is made on."""
+    return Situation(
+        domain=mission.request.domain,
+        state=mission_state(mission),
+        grid=grid,
+        models=models,
+        planning=mission.request.planning,
+        trigger=trigger,
+        in_force=mission.plan.steps if mission.plan is not None else (),
+        avoid=frozenset(
+            pair for pair, count in mission.failures.items() if count >= FAILURES_TOLERATED
+        ),
+    )

@@ -1,0 +1,73 @@
+"""What a coordination strategy is given and what it answers.
+
+A strategy is a pure function of a frozen `Situation`, so that it can run in any thread or process
+and be tested without a service.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from domains.formulation import Assignment
+from domains.mission_state import MissionState
+from semantic_attachments.contract import Memory
+from semantic_attachments.world import GridMap, RobotModel
+
+from service.messages.mission import PlanningMessage
+from service.messages.plan import PlanStep
+
+
+@dataclass(frozen=True)
+class Situation:
+    """All that a decision may depend on."""
+
+    domain: str
+    state: MissionState
+    grid: GridMap
+    """The map without blockades; those known are in `state`."""
+    models: Mapping[str, RobotModel]
+    """Robot model of each robot type."""
+    planning: PlanningMessage
+    trigger: str
+    """The facts that ask for a decision, for the log."""
+    version: int = 0
+    """Changes whenever the grid does."""
+    in_force: tuple[PlanStep, ...] = ()
+    """The remainder of the plan in force, starts in mission time [s]."""
+    avoid: frozenset[tuple[str, str]] = frozenset()
+    """Robots and places that do not go together: the robot failed to get there again and again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """What a strategy wants the robots to do."""
+
+    assignments: tuple[Assignment, ...]
+    """At most one a robot; a robot without one waits."""
+    reason: str
+    steps: tuple[PlanStep, ...] = ()
+    """The plan behind the assignments, starts in mission time [s]."""
+    validated: bool = False
+    keeps_plan: bool = False
+    """The plan in force is as good: its steps stay, the assignments are its next ones."""
+    unreachable: frozenset[str] = frozenset()
+    """Targets that the team cannot visit as far as is known."""
+
+
+class Strategy(Protocol):
+    """Coordinates a team."""
+
+    def propose(self, situation: Situation, memory: Memory) -> Proposal:
+        """What every robot does next.
+
+        Args:
+            memory: what attachments keep between the decisions of a mission; it changes no answer.
+
+        Raises:
+            NoPlanError: nothing can be done, as far as is known.
+        """
+        ...
+
+
+class NoPlanError(Exception):
+    """A strategy found nothing that the team can do; says why."""

@@ -1,0 +1,51 @@
+"""Travel times and paths between the places of a mission, by the mission's ids."""
+
+from collections.abc import Sequence
+from math import inf
+
+from domains.formulation import place_of
+from semantic_attachments.contract import Memory
+from semantic_attachments.grid import path_costs
+
+from domains import catalogue
+from service.coordination.strategy import Situation
+from service.messages.base import Position
+
+
+class Travel:
+    """One situation's travel times [s]; infinite where there is no way.
+
+    Every known blockade is a wall, save the one at either end of the way (thesis 3.5.1).
+    """
+
+    def __init__(self, situation: Situation, memory: Memory) -> None:
+        self.formulation = catalogue.load(situation.domain)
+        self.names = self.formulation.names(situation.state)
+        self.world = self.formulation.world(
+            situation.state, situation.grid, situation.models, situation.version
+        )
+        self._costs = path_costs(self.world, memory)
+        self._avoid = situation.avoid
+
+    def times_s(self, robots: Sequence[str], goals: Sequence[str]) -> list[list[float]]:
+        """Travel times of each robot, from where it is now, to each goal."""
+        calls = [
+            (self.names.name(robot), self.names.name(place_of(robot)), self.names.name(goal))
+            for robot in robots
+            for goal in goals
+        ]
+        flat = iter(self._costs.many(calls))
+        return [
+            [
+                inf if (robot, goal) in self._avoid else time_s
+                for goal, time_s in zip(goals, flat, strict=False)
+            ]
+            for robot in robots
+        ]
+
+    def path_m(self, robot: str, goal: str) -> tuple[Position, ...]:
+        """Way points from where a robot is now to a goal; empty where there is no way."""
+        way_points = self._costs.path(
+            self.names.name(robot), self.names.name(place_of(robot)), self.names.name(goal)
+        )
+        return tuple((round(float(x), 4), round(float(y), 4)) for x, y in way_points)

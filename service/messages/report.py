@@ -1,0 +1,90 @@
+"""`POST /v1/missions/{id}/reports`: what a fleet sees and does, and the commands in answer."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from service.messages.base import Identifier, Message, Pose, Position, Seconds, Text
+
+RobotActivity = Literal["idle", "driving", "clearing", "docking", "undocking", "docked", "failed"]
+CommandKind = Literal["move", "explore", "clear", "dock", "undock", "wait"]
+MissionStatus = Literal["queued", "underway", "delayed", "completed", "failed", "canceled"]
+CommandId = Annotated[str, Field(min_length=1, max_length=100)]
+
+
+class RobotReport(Message):
+    """Where a robot is and what it does."""
+
+    id: Identifier
+    pose: Pose
+    state: RobotActivity
+    command: CommandId | None = None
+    """The command that it executes."""
+    busy_until_s: Seconds | None = None
+    """When an action that cannot be interrupted is expected to end."""
+
+
+class BlockadeReport(Message):
+    """A blockade that a robot has sensed."""
+
+    id: Identifier
+    segment_m: tuple[Position, Position]
+    clear_duration_s: Seconds
+
+
+class FinishedCommand(Message):
+    """A command that a robot has carried out."""
+
+    robot: Identifier
+    command: CommandId
+
+
+class FailedCommand(Message):
+    """A command that a robot has given up."""
+
+    robot: Identifier
+    command: CommandId
+    reason: Text = ""
+
+
+class Report(Message):
+    """One report of a fleet."""
+
+    sequence: Annotated[int, Field(ge=0, le=2**53)]
+    time_s: Seconds
+    robots: list[RobotReport] = Field(default_factory=list, max_length=1000)
+    blockades: list[BlockadeReport] = Field(default_factory=list, max_length=1000)
+    finished: list[FinishedCommand] = Field(default_factory=list, max_length=1000)
+    failed: list[FailedCommand] = Field(default_factory=list, max_length=1000)
+
+
+class Command(Message):
+    """An order to one robot; its id stays the same as long as the order does."""
+
+    id: CommandId
+    robot: Identifier
+    kind: CommandKind
+    location: str | None = None
+    partner: Identifier | None = None
+    path_m: list[Position] = Field(default_factory=list)
+    expected_duration_s: Seconds | None = None
+    revision: int
+
+
+class MissionSummary(Message):
+    """The part of a mission that every report's answer carries."""
+
+    id: str
+    status: MissionStatus
+    revision: int
+    sequence: int
+    """The highest sequence number accepted so far; -1 before the first report."""
+    targets_left: int
+    replans: int
+
+
+class ReportAnswer(Message):
+    """The answer to a report: every robot's current command."""
+
+    mission: MissionSummary
+    commands: list[Command]

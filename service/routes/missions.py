@@ -1,0 +1,115 @@
+"""Missions over HTTP; docs/fleet-protocol.md tells what the messages mean."""
+
+import re
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Header, Request, Response
+
+from service.coordination.coordinator import Coordinator, ReportRefusedError
+from service.coordination.ports import StoreError
+from service.coordination.registry import FullError, MissionRefusedError, Missions
+from service.coordination.views import known_map, mission_detail, plan_in_force
+from service.json_body import described, json_body
+from service.messages.mission import CreateMission
+from service.messages.plan import KnownMap, MissionDetail, PlanInForce
+from service.messages.report import Report, ReportAnswer
+from service.problem_details import ProblemError, invalid, not_found
+from service.settings import Settings
+
+ROUTER = APIRouter(prefix="/v1/missions", tags=["missions"])
+BODIES = (CreateMission, Report)
+_WAIT = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6})\"?(?=$|[,;\s])", re.IGNORECASE)
+
+
+def missions(request: Request) -> Missions:
+    """The missions of this service."""
+    found: Missions = request.app.state.missions
+    return found
+
+
+def wait_s(request: Request, prefer: Annotated[str | None, Header()] = None) -> float:
+    """`Prefer: wait=N` (RFC 7240) in seconds, within the operator's limit; 0 without."""
+    settings: Settings = request.app.state.settings
+    match = _WAIT.search(prefer or "")
+    return min(float(match.group(1)), settings.max_wait_s) if match else 0.0
+
+
+async def coordinator(
+    mission_id: str, all_missions: Annotated[Missions, Depends(missions)]
+) -> Coordinator:
+    """The mission a path names."""
+    found = await all_missions.find(mission_id)
+    if found is None:
+        raise not_found("mission", mission_id)
+    return found
+
+
+CoordinatorOf = Annotated[Coordinator, Depends(coordinator)]
+
+
+def unavailable(error: StoreError) -> ProblemError:
+    """The log refused; the sender should come again."""
+    return ProblemError(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        "storage-unavailable",
+        f"nothing was stored, please send it again: {error}",
+        headers={"Retry-After": "1"},
+    )
+
+
+@ROUTER.post("", status_code=HTTPStatus.CREATED, openapi_extra=described(CreateMission))
+async def create_mission(
+    body: Annotated[CreateMission, Depends(json_body(CreateMission))],
+    all_missions: Annotated[Missions, Depends(missions)],
+    response: Response,
+) -> MissionDetail:
+    """Accepts a mission; it begins with the fleet's first report."""
+    try:
+        created = await all_missions.create(body)
+    except MissionRefusedError as error:
+        raise invalid(error.faults) from None
+    except FullError as error:
+        raise ProblemError(
+            HTTPStatus.TOO_MANY_REQUESTS, "full", str(error), headers={"Retry-After": "30"}
+        ) from None
+    except StoreError as error:
+        raise unavailable(error) from None
+    response.headers["Location"] = f"/v1/missions/{created.mission.id}"
+    return mission_detail(created.mission)
+
+
+@ROUTER.post("/{mission_id}/reports", openapi_extra=described(Report))
+async def report(
+    found: CoordinatorOf,
+    body: Annotated[Report, Depends(json_body(Report))],
+    wait: Annotated[float, Depends(wait_s)],
+) -> ReportAnswer:
+    """Takes in what the fleet saw and did; answers with every robot's current command.
+
+    With `Prefer: wait=N` the answer waits up to N seconds for the replan that it gives cause for.
+    """
+    try:
+        return await found.report(body, wait)
+    except ReportRefusedError as error:
+        raise invalid(error.faults) from None
+    except StoreError as error:
+        raise unavailable(error) from None
+
+
+@ROUTER.get("/{mission_id}")
+async def get_mission(found: CoordinatorOf) -> MissionDetail:
+    """The mission: status, robots, targets, blockades, decisions with their reasons."""
+    return mission_detail(found.mission)
+
+
+@ROUTER.get("/{mission_id}/plan")
+async def get_plan(found: CoordinatorOf) -> PlanInForce:
+    """The plan in force."""
+    return plan_in_force(found.mission)
+
+
+@ROUTER.get("/{mission_id}/map")
+async def get_map(found: CoordinatorOf) -> KnownMap:
+    """The known map with the blockades that are not cleared drawn in."""
+    return known_map(found.mission, found.grid)

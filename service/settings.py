@@ -1,0 +1,31 @@
+"""What an operator decides: one frozen object, passed in from the command line."""
+
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Settings(BaseModel):
+    """How the service runs."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    database_url: str = "sqlite:///marsupial.sqlite"
+    """SQLAlchemy URL of the event log."""
+    planning_workers: int = Field(default=2, ge=1)
+    """Replans computed at the same time."""
+    debounce_s: float = Field(default=0.05, ge=0.0)
+    """Facts that arrive within this time share one replan [wall clock]."""
+    idle_replan_s: float = Field(default=30.0, gt=0.0)
+    """A robot without an order gets a fresh look after this time [fleet clock]."""
+    max_body_bytes: int = Field(default=32 * 2**20, ge=1024)
+    max_map_cells: int = Field(default=16_000_000, ge=1)
+    max_missions: int = Field(default=1000, ge=1)
+    """Missions that are not over."""
+    max_wait_s: float = Field(default=60.0, ge=0.0)
+    """The longest `Prefer: wait` that is honoured."""
+
+
+def sqlite_url(path: Path) -> str:
+    """The URL of a SQLite file."""
+    return f"sqlite:///{path}"
