@@ -11,7 +11,7 @@ from service.coordination.coordinator import LoopParameters
 from service.coordination.registry import Missions
 from service.coordination.strategies import STRATEGIES
 from service.jobs.threads import PlanningThreads
-from service.routes import health, missions
+from service.routes import health, mission_changes, mission_events, missions
 from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
@@ -49,7 +49,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     problem_details.install(app)
-    json_body.install_openapi(app, missions.BODIES)
+    json_body.install_openapi(app, [*missions.BODIES, *mission_changes.BODIES])
     app.include_router(health.ROUTER)
     app.include_router(missions.ROUTER)
+    app.include_router(mission_changes.ROUTER)
+    app.include_router(mission_events.ROUTER)
     return app

@@ -10,12 +10,11 @@ from typing import Any, TypeVar
 
 from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
-from service.messages.base import Message
 from service.problem_details import ProblemError, from_validation
 
-M = TypeVar("M", bound=Message)
+M = TypeVar("M", bound=BaseModel)
 SCHEMAS = "#/components/schemas/{model}"
 
 
@@ -46,7 +45,7 @@ def json_body(model: type[M]) -> Callable[[Request], Awaitable[M]]:
     return read
 
 
-def described(model: type[Message], example: Any = None) -> dict[str, Any]:
+def described(model: type[BaseModel], example: Any = None) -> dict[str, Any]:
     """`openapi_extra` of a route whose body `json_body(model)` reads."""
     media: dict[str, Any] = {"schema": {"$ref": SCHEMAS.format(model=model.__name__)}}
     if example is not None:
@@ -54,7 +53,7 @@ def described(model: type[Message], example: Any = None) -> dict[str, Any]:
     return {"requestBody": {"required": True, "content": {"application/json": media}}}
 
 
-def install_openapi(app: FastAPI, bodies: Sequence[type[Message]]) -> None:
+def install_openapi(app: FastAPI, bodies: Sequence[type[BaseModel]]) -> None:
     """Adds the schemas of bodies read by `json_body` to the OpenAPI document."""
 
     def openapi() -> dict[str, Any]:

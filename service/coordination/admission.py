@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from domains import catalogue
+from semantic_attachments.world import GridMap
 from service.coordination.known_map import (
     OCCUPIED_FROM,
     MapError,
@@ -16,7 +17,8 @@ from service.coordination.known_map import (
 )
 from service.coordination.mission import Mission
 from service.messages.base import Position
-from service.messages.mission import CreateMission, MapMessage
+from service.messages.instruction import Instruction
+from service.messages.mission import CreateMission, MapMessage, RobotMessage, TargetMessage
 from service.messages.report import Report
 
 Fault = tuple[str, str]
@@ -182,3 +184,55 @@ def _closing_faults(mission: Mission, here: str, robot: str, command: str) -> It
             yield f"{here}/command", f"no command {command!r} was ever given"
         elif order.robot != robot:
             yield f"{here}/command", f"{command!r} was given to {order.robot}"
+
+
+def robot_faults(mission: Mission, robot: RobotMessage, grid: GridMap) -> list[Fault]:
+    """Everything that keeps a robot from joining; empty if nothing does."""
+    faults: list[Fault] = []
+    known = mission.robots.get(robot.id)
+    if known is not None and not known.left:
+        faults.append(("/id", f"{robot.id!r} takes part already"))
+    elif known is not None and known.type != robot.type:
+        faults.append(("/type", f"{robot.id!r} was a {known.type} before it left"))
+    if robot.id in mission.targets or robot.id in mission.blockades:
+        faults.append(("/id", f"{robot.id!r} is a target's or a blockade's id"))
+    if robot.type not in mission.request.robot_types:
+        there_are = ", ".join(sorted(mission.request.robot_types))
+        faults.append(("/type", f"{robot.type!r} is not in robot_types: there are {there_are}"))
+    if fault := _misplaced(grid.cells, mission.request.map, (robot.pose[0], robot.pose[1])):
+        faults.append(("/pose", fault))
+    if robot.carrier is not None:
+        carrier = mission.robots.get(robot.carrier)
+        if carrier is None or carrier.left or carrier.id == robot.id:
+            faults.append(("/carrier", f"no other robot has the id {robot.carrier!r}"))
+        else:
+            capacity = mission.request.robot_types[carrier.type].capacity
+            aboard = sum(other.carrier == carrier.id for other in mission.robots.values())
+            if aboard >= capacity:
+                faults.append(("/carrier", f"{carrier.id} holds {capacity} robots and is full"))
+    return faults
+
+
+def target_faults(mission: Mission, target: TargetMessage, grid: GridMap) -> list[Fault]:
+    """Everything that keeps a target from being added; empty if nothing does."""
+    faults: list[Fault] = []
+    if target.id in {**mission.robots, **mission.targets, **mission.blockades}:
+        faults.append(("/id", f"{target.id!r} names something else already"))
+    if fault := _misplaced(grid.cells, mission.request.map, target.position_m):
+        faults.append(("/position_m", fault))
+    return faults
+
+
+def instruction_faults(mission: Mission, instruction: Instruction) -> list[Fault]:
+    """Everything that keeps an instruction from being understood; empty if nothing does."""
+    faults: list[Fault] = []
+    robot = getattr(instruction, "robot", None)
+    if robot is not None and (robot not in mission.robots or mission.robots[robot].left):
+        faults.append(("/robot", f"the mission has no robot {robot!r}"))
+    target = getattr(instruction, "target", None)
+    if target is not None and target not in mission.targets:
+        faults.append(("/target", f"the mission has no target {target!r}"))
+    location = getattr(instruction, "location", None)
+    if location is not None and location not in {**mission.targets, **mission.blockades}:
+        faults.append(("/location", f"{location!r} is no target and no known blockade"))
+    return faults

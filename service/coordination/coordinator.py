@@ -7,7 +7,7 @@ pointless in the meantime is left out when the proposal is turned into commands.
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
@@ -41,6 +41,10 @@ class ReportRefusedError(Exception):
     def __init__(self, faults: Sequence[Fault]) -> None:
         super().__init__(faults[0][1])
         self.faults = list(faults)
+
+
+class OverError(Exception):
+    """The mission has reached its terminal state."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ class Coordinator:
         self._looked_at_s = 0.0
         self._late: set[str] = set()
         self._in_doubt = False
+        self._news = asyncio.Event()
 
     # Facts in
 
@@ -116,10 +121,9 @@ class Coordinator:
             found = facts.facts_in(mission, report)
             await self._record([ReportAccepted(report=report)])
             found += await self._look_around()
-            if mission.targets and mission.targets_left == 0:
+            if mission.is_accomplished:
                 await self._close("completed", "every target is visited")
-                return
-            if found:
+            elif found:
                 self._replan_for(found)
 
     async def _look_around(self) -> list[str]:
@@ -146,9 +150,43 @@ class Coordinator:
         if not self.mission.is_over:
             self._replan_for([reason])
 
-    async def cancel(self, reason: str) -> None:
-        """Ends the mission; a mission that is over stays as it is."""
+    async def change(self, draft: Callable[[Mission], Event | None]) -> None:
+        """Changes the mission at somebody's wish, and replans.
+
+        Args:
+            draft: what shall happen, drawn up under the lock; None if it is so already.
+
+        Raises:
+            OverError: the mission has ended.
+        """
+        await asyncio.shield(asyncio.ensure_future(self._change(draft)))
+
+    async def _change(self, draft: Callable[[Mission], Event | None]) -> None:
         async with self._locked():
+            mission = self.mission
+            if mission.is_over:
+                raise OverError(f"the mission has ended: {mission.status}")
+            event = draft(mission)
+            if event is None:
+                return
+            await self._record([event])
+            if mission.is_accomplished:
+                await self._close("completed", "every target that is left is visited")
+            elif mission.status != "queued":
+                self._replan_for([mission.decisions[-1].kind + " " + mission.decisions[-1].reason])
+
+    async def cancel(self, reason: str) -> None:
+        """Ends the mission; one that is canceled already stays as it is.
+
+        Raises:
+            OverError: the mission has ended otherwise.
+        """
+        await asyncio.shield(asyncio.ensure_future(self._cancel(reason)))
+
+    async def _cancel(self, reason: str) -> None:
+        async with self._locked():
+            if self.mission.is_over and self.mission.status != "canceled":
+                raise OverError(f"the mission has ended: {self.mission.status}")
             if not self.mission.is_over:
                 await self._close("canceled", reason)
 
@@ -169,6 +207,17 @@ class Coordinator:
                 await self._replanning
 
     # Commands out
+
+    async def news(self, after: int, timeout_s: float) -> bool:
+        """Waits until the mission has more than `after` events; false if it has not in time."""
+        deadline = asyncio.get_running_loop().time() + timeout_s
+        while self.mission.events <= after:
+            left_s = deadline - asyncio.get_running_loop().time()
+            try:
+                await asyncio.wait_for(self._news.wait(), max(left_s, 0.0))
+            except TimeoutError:
+                return False
+        return True
 
     def answer(self) -> ReportAnswer:
         """The commands in force."""
@@ -246,6 +295,7 @@ class Coordinator:
                     new_plan=not proposal.keeps_plan,
                     steps=[] if proposal.keeps_plan else list(proposal.steps),
                     validated=proposal.validated,
+                    remarks=dict(proposal.remarks),
                 )
             ]
         )
@@ -272,6 +322,8 @@ class Coordinator:
             raise
         for event in events:
             self.mission.apply(event)
+        self._news.set()
+        self._news = asyncio.Event()
 
 
 @dataclass(frozen=True)

@@ -84,9 +84,7 @@ def _is_pointless(mission: Mission, assignment: Assignment) -> bool:
     location, partner = assignment.location or "", assignment.partner or ""
     match assignment.kind:
         case OrderKind.EXPLORE:
-            return location not in mission.targets or (
-                mission.targets[location].visited_by is not None
-            )
+            return location not in mission.targets or not mission.targets[location].is_open
         case OrderKind.CLEAR:
             return mission.blockades[location].cleared_by is not None
         case OrderKind.DOCK:

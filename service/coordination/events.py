@@ -9,7 +9,8 @@ from typing import Annotated, Literal
 from pydantic import Field, TypeAdapter
 
 from service.messages.base import Message, Seconds
-from service.messages.mission import CreateMission
+from service.messages.instruction import Instruction
+from service.messages.mission import CreateMission, RobotMessage, TargetMessage
 from service.messages.plan import PlanStep
 from service.messages.report import Command, Report
 
@@ -22,6 +23,9 @@ class MissionCreated(Message):
     kind: Literal["mission-created"] = "mission-created"
     id: str
     request: CreateMission
+    idempotency_key: str | None = None
+    body_digest: str | None = None
+    """SHA-256 of the request, to tell a repetition from another mission under the same key."""
 
 
 class ReportAccepted(Message):
@@ -45,6 +49,8 @@ class OrdersIssued(Message):
     steps: list[PlanStep] = Field(default_factory=list)
     """The new plan, starts in mission time; empty if the plan in force goes on."""
     validated: bool = False
+    remarks: dict[str, str] = Field(default_factory=dict)
+    """Why instructions cannot be obeyed, by instruction id."""
 
 
 class PlanKept(Message):
@@ -71,6 +77,55 @@ class RobotLost(Message):
     robot: str
 
 
+class RobotJoined(Message):
+    """A robot joined the mission, or came back after it had left."""
+
+    kind: Literal["robot-joined"] = "robot-joined"
+    time_s: Seconds
+    robot: RobotMessage
+
+
+class RobotLeft(Message):
+    """A robot left the mission."""
+
+    kind: Literal["robot-left"] = "robot-left"
+    time_s: Seconds
+    robot: str
+
+
+class TargetAdded(Message):
+    """There is one more place to visit."""
+
+    kind: Literal["target-added"] = "target-added"
+    time_s: Seconds
+    target: TargetMessage
+
+
+class TargetRemoved(Message):
+    """A target need not be visited any more."""
+
+    kind: Literal["target-removed"] = "target-removed"
+    time_s: Seconds
+    target: str
+
+
+class InstructionGiven(Message):
+    """A person told the mission to do something."""
+
+    kind: Literal["instruction-given"] = "instruction-given"
+    time_s: Seconds
+    id: str
+    instruction: Instruction
+
+
+class InstructionWithdrawn(Message):
+    """An instruction no longer counts."""
+
+    kind: Literal["instruction-withdrawn"] = "instruction-withdrawn"
+    time_s: Seconds
+    id: str
+
+
 class MissionClosed(Message):
     """The mission reached its one terminal state."""
 
@@ -87,6 +142,12 @@ Event = Annotated[
     | PlanKept
     | PlanningFailed
     | RobotLost
+    | RobotJoined
+    | RobotLeft
+    | TargetAdded
+    | TargetRemoved
+    | InstructionGiven
+    | InstructionWithdrawn
     | MissionClosed,
     Field(discriminator="kind"),
 ]

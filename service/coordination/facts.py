@@ -34,7 +34,7 @@ def _facts(mission: Mission, report: Report) -> Iterator[str]:
             robot = mission.robots[robot_report.id]
             if robot_report.state == "failed" and robot.state != "failed":
                 yield f"{robot.id} failed"
-            elif robot_report.state != "failed" and not robot.takes_part:
+            elif robot_report.state != "failed" and (robot.lost or robot.state == "failed"):
                 yield f"{robot.id} is back"
 
 
@@ -56,7 +56,7 @@ def silent_robots(mission: Mission) -> list[str]:
     return [
         robot.id
         for robot in mission.robots.values()
-        if not robot.lost and mission.time_s - robot.reported_at_s > mission.request.lease_s
+        if not (robot.lost or robot.left) and mission.time_s - robot.reported_at_s > mission.request.lease_s
     ]
 
 

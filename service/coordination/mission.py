@@ -9,16 +9,30 @@ from dataclasses import dataclass, field
 
 from service.coordination.events import (
     Event,
+    InstructionGiven,
+    InstructionWithdrawn,
     MissionClosed,
     MissionCreated,
     OrdersIssued,
     PlanKept,
     PlanningFailed,
     ReportAccepted,
+    RobotJoined,
+    RobotLeft,
     RobotLost,
+    TargetAdded,
+    TargetRemoved,
 )
 from service.messages.base import Pose, Position
-from service.messages.mission import CreateMission
+from service.messages.instruction import (
+    Deadline,
+    Forbid,
+    Instruction,
+    Pin,
+    Priority,
+    TakeOver,
+)
+from service.messages.mission import CreateMission, RobotMessage
 from service.messages.plan import Decision, PlanStep
 from service.messages.report import (
     Command,
@@ -51,11 +65,16 @@ class FleetRobot:
     arrival_pose: Pose = (0.0, 0.0, 0.0)
     reported_at_s: float = 0.0
     lost: bool = False
+    """It has been silent for longer than its lease."""
+    left: bool = False
+    """It was taken out of the mission."""
+    taken_over: bool = False
+    """A person drives it."""
 
     @property
     def takes_part(self) -> bool:
         """Whether it can be planned with."""
-        return not self.lost and self.state != "failed"
+        return not (self.lost or self.left or self.taken_over) and self.state != "failed"
 
     @property
     def position_m(self) -> Position:
@@ -71,6 +90,23 @@ class MissionTarget:
     position_m: Position
     visited_by: str | None = None
     visited_at_s: float | None = None
+    removed: bool = False
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it still has to be visited."""
+        return self.visited_by is None and not self.removed
+
+
+@dataclass(slots=True)
+class GivenInstruction:
+    """An instruction in force."""
+
+    id: str
+    instruction: Instruction
+    given_at_s: float
+    remark: str = ""
+    """Why the plan in force cannot obey."""
 
 
 @dataclass(slots=True)
@@ -127,6 +163,7 @@ class Mission:
     """Commands reported as finished or failed."""
     failures: dict[tuple[str, str], int] = field(default_factory=dict)
     """How often a robot gave up a command to a place."""
+    instructions: dict[str, GivenInstruction] = field(default_factory=dict)
     decisions: list[Decision] = field(default_factory=list)
     events: int = 0
 
@@ -137,16 +174,7 @@ class Mission:
         return cls(
             id=event.id,
             request=request,
-            robots={
-                robot.id: FleetRobot(
-                    robot.id,
-                    robot.type,
-                    robot.pose,
-                    state="idle" if robot.carrier is None else "docked",
-                    carrier=robot.carrier,
-                )
-                for robot in request.robots
-            },
+            robots={robot.id: _fleet_robot(robot, 0.0) for robot in request.robots},
             targets={t.id: MissionTarget(t.id, t.position_m) for t in request.targets},
             events=1,
         )
@@ -159,7 +187,14 @@ class Mission:
     @property
     def targets_left(self) -> int:
         """Targets nobody has visited."""
-        return sum(target.visited_by is None for target in self.targets.values())
+        return sum(target.is_open for target in self.targets.values())
+
+    @property
+    def is_accomplished(self) -> bool:
+        """Whether there were targets and none is left to visit."""
+        return self.targets_left == 0 and any(
+            target.visited_by is not None for target in self.targets.values()
+        )
 
     def is_new(self, sequence: int) -> bool:
         """Whether a report with this number has not been accepted before."""
@@ -191,6 +226,23 @@ class Mission:
                 self.status, self.status_reason = event.status, event.reason
                 self.commands.clear()
                 self._decide(event.time_s, event.status, event.reason)
+            case RobotJoined(robot=robot):
+                self.robots[robot.id] = _fleet_robot(robot, self.time_s)
+                self._decide(event.time_s, "robot joined", robot.id)
+            case RobotLeft(robot=robot_id):
+                self.robots[robot_id].left = True
+                self._drop_command(robot_id)
+                self._decide(event.time_s, "robot left", robot_id)
+            case TargetAdded(target=target):
+                self.targets[target.id] = MissionTarget(target.id, target.position_m)
+                self._decide(event.time_s, "target added", target.id)
+            case TargetRemoved(target=target_id):
+                self.targets[target_id].removed = True
+                self._decide(event.time_s, "target removed", target_id)
+            case InstructionGiven():
+                self._instruct(event)
+            case InstructionWithdrawn():
+                self._withdraw(event)
             case MissionCreated():
                 raise ValueError(f"mission {self.id} was created before")
 
@@ -203,6 +255,26 @@ class Mission:
     def _recover(self) -> None:
         if self.status in ("queued", "delayed"):
             self.status, self.status_reason = "underway", ""
+
+    # People
+
+    def _instruct(self, event: InstructionGiven) -> None:
+        instruction = event.instruction
+        self.instructions[event.id] = GivenInstruction(event.id, instruction, event.time_s)
+        if isinstance(instruction, TakeOver):
+            self.robots[instruction.robot].taken_over = True
+            self._drop_command(instruction.robot)
+        self._decide(event.time_s, "instruction", f"{event.id}: {describe(instruction)}")
+
+    def _withdraw(self, event: InstructionWithdrawn) -> None:
+        withdrawn = self.instructions.pop(event.id).instruction
+        if isinstance(withdrawn, TakeOver):
+            self.robots[withdrawn.robot].taken_over = any(
+                isinstance(given.instruction, TakeOver)
+                and given.instruction.robot == withdrawn.robot
+                for given in self.instructions.values()
+            )
+        self._decide(event.time_s, "instruction withdrawn", f"{event.id}: {describe(withdrawn)}")
 
     # Reports
 
@@ -325,11 +397,39 @@ class Mission:
             if command.id not in self.issued_at_s:
                 self.issued_at_s[command.id] = event.time_s
             self.orders[command.id] = command
+        for identifier, given in self.instructions.items():
+            given.remark = event.remarks.get(identifier, "")
         current = {command.robot: command for command in event.commands}
         for robot_id in [robot for robot in self.commands if robot not in current]:
             self._drop_command(robot_id)
         self.commands = current
         self._recover()
+
+
+def _fleet_robot(robot: RobotMessage, time_s: float) -> FleetRobot:
+    return FleetRobot(
+        robot.id,
+        robot.type,
+        robot.pose,
+        state="idle" if robot.carrier is None else "docked",
+        carrier=robot.carrier,
+        reported_at_s=time_s,
+    )
+
+
+def describe(instruction: Instruction) -> str:
+    """An instruction in a sentence."""
+    match instruction:
+        case Pin(robot=robot, location=location):
+            return f"only {robot} goes to {location}"
+        case Forbid(robot=robot, location=location):
+            return f"{robot} does not go to {location}"
+        case Priority(target=target, priority=priority):
+            return f"{target} has priority {priority}"
+        case Deadline(target=target, time_s=time_s):
+            return f"visit {target} by {time_s:g} s"
+        case TakeOver(robot=robot):
+            return f"a person drives {robot}"
 
 
 def rebuilt(events: Iterable[Event]) -> Mission:

@@ -1,12 +1,13 @@
 """All missions of a service: created, found, restored after a crash."""
 
 import asyncio
+import hashlib
 import uuid
 from collections.abc import Mapping
 
 from service.coordination.admission import Fault, mission_faults
 from service.coordination.coordinator import Coordinator, LoopParameters
-from service.coordination.events import MissionCreated
+from service.coordination.events import Event, MissionCreated
 from service.coordination.known_map import grid_map, robot_models
 from service.coordination.mission import Mission, rebuilt
 from service.coordination.ports import Planners
@@ -21,6 +22,10 @@ class MissionRefusedError(Exception):
     def __init__(self, faults: list[Fault]) -> None:
         super().__init__(faults[0][1])
         self.faults = faults
+
+
+class KeyReusedError(Exception):
+    """An idempotency key came with two different requests."""
 
 
 class FullError(Exception):
@@ -47,6 +52,7 @@ class Missions:
         self._max_missions = max_missions
         self._max_map_cells = max_map_cells
         self._open: dict[str, Coordinator] = {}
+        self._creating = asyncio.Lock()
 
     async def restore(self) -> int:
         """Takes up all missions that are not over; returns their number."""
@@ -58,20 +64,44 @@ class Missions:
                 coordinator.replan("the service was started again")
         return len(self._open)
 
-    async def create(self, request: CreateMission) -> Coordinator:
+    async def create(
+        self, request: CreateMission, idempotency_key: str | None = None
+    ) -> Coordinator:
         """A new mission, stored before it is returned.
+
+        Args:
+            idempotency_key: the same key with the same request gives the same mission.
 
         Raises:
             MissionRefusedError: with everything that is wrong with it.
             FullError: too many missions are open.
+            KeyReusedError: the key was used for another mission.
         """
+        async with self._creating:
+            return await self._create(request, idempotency_key)
+
+    async def _create(self, request: CreateMission, idempotency_key: str | None) -> Coordinator:
+        digest = hashlib.sha256(request.model_dump_json().encode()).hexdigest()
+        if idempotency_key is not None:
+            before = await asyncio.to_thread(self._store.created_under, idempotency_key)
+            if before is not None:
+                mission_id, body_digest = before
+                found = await self.find(mission_id) if body_digest == digest else None
+                if found is None:
+                    raise KeyReusedError("this Idempotency-Key was used for another mission")
+                return found
         self._forget_closed()
         if len(self._open) >= self._max_missions:
             raise FullError(f"{len(self._open)} missions are open, which is all that is allowed")
         faults = mission_faults(request, self._strategies, self._max_map_cells)
         if faults:
             raise MissionRefusedError(faults)
-        event = MissionCreated(id=uuid.uuid4().hex, request=request)
+        event = MissionCreated(
+            id=uuid.uuid4().hex,
+            request=request,
+            idempotency_key=idempotency_key,
+            body_digest=digest,
+        )
         await asyncio.shield(asyncio.ensure_future(self._store.append(event.id, 0, [event])))
         coordinator = self._coordinator(Mission.created(event))
         self._open[event.id] = coordinator
@@ -83,6 +113,15 @@ class Missions:
             return coordinator
         events = await asyncio.to_thread(lambda: list(self._store.events(mission_id)))
         return self._coordinator(rebuilt(events)) if events else None
+
+    async def listed(self, limit: int) -> list[Coordinator]:
+        """The latest missions, open and over."""
+        ids = await asyncio.to_thread(self._store.listed, limit)
+        return [found for mission_id in ids if (found := await self.find(mission_id)) is not None]
+
+    def events(self, mission_id: str, first_number: int, limit: int) -> list[tuple[int, Event]]:
+        """A mission's events with their numbers, from `first_number`; reads the log."""
+        return list(self._store.numbered(mission_id, first_number, limit))
 
     async def stop(self) -> None:
         """Stops all loops; every mission goes on when the service is started again."""

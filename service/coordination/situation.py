@@ -1,12 +1,17 @@
 """The mission as a strategy sees it: a frozen snapshot."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TypeVar
 
 from domains.mission_state import Activity, BlockadeState, MissionState, RobotState, Target
 from semantic_attachments.world import GridMap, RobotModel
 
 from service.coordination.mission import FleetRobot, Mission
 from service.coordination.strategy import Situation
+from service.messages.instruction import Deadline, Forbid, Pin, Priority
+
+I = TypeVar("I", Priority, Deadline)
+T = TypeVar("T")
 
 FAILURES_TOLERATED = 3
 """A robot that gave up a place this often is not sent there again."""
@@ -26,7 +31,7 @@ def mission_state(mission: Mission) -> MissionState:
         targets=tuple(
             Target(target.id, target.position_m)
             for target in mission.targets.values()
-            if target.visited_by is None
+            if target.is_open
         ),
         blockades=tuple(
             BlockadeState(blockade.id, blockade.segment_m, blockade.clear_duration_s)
@@ -83,7 +88,33 @@ def situation(
         planning=mission.request.planning,
         trigger=trigger,
         in_force=mission.plan.steps if mission.plan is not None else (),
-        avoid=frozenset(
-            pair for pair, count in mission.failures.items() if count >= FAILURES_TOLERATED
+        avoid=_avoid(mission),
+        priorities=_by_target(mission, Priority, lambda order: order.priority),
+        deadlines_s=_by_target(mission, Deadline, lambda order: order.time_s),
+        instructions=tuple(
+            (given.id, given.instruction) for given in mission.instructions.values()
         ),
     )
+
+
+def _avoid(mission: Mission) -> frozenset[tuple[str, str]]:
+    """Robots and places that do not go together: by experience, and by a person's word."""
+    pairs = {pair for pair, count in mission.failures.items() if count >= FAILURES_TOLERATED}
+    for given in mission.instructions.values():
+        match given.instruction:
+            case Forbid(robot=robot, location=location):
+                pairs.add((robot, location))
+            case Pin(robot=robot, location=location):
+                pairs |= {(other, location) for other in mission.robots if other != robot}
+    return frozenset(pairs)
+
+
+def _by_target(
+    mission: Mission, kind: type[I], value: Callable[[I], T]
+) -> dict[str, T]:
+    """What the instructions of a kind say of each target that is open; the latest counts."""
+    return {
+        given.instruction.target: value(given.instruction)
+        for given in mission.instructions.values()
+        if isinstance(given.instruction, kind) and mission.targets[given.instruction.target].is_open
+    }

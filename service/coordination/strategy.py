@@ -5,7 +5,7 @@ and be tested without a service.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from domains.formulation import Assignment
@@ -13,6 +13,7 @@ from domains.mission_state import MissionState
 from semantic_attachments.contract import Memory
 from semantic_attachments.world import GridMap, RobotModel
 
+from service.messages.instruction import Instruction
 from service.messages.mission import PlanningMessage
 from service.messages.plan import PlanStep
 
@@ -35,7 +36,13 @@ class Situation:
     in_force: tuple[PlanStep, ...] = ()
     """The remainder of the plan in force, starts in mission time [s]."""
     avoid: frozenset[tuple[str, str]] = frozenset()
-    """Robots and places that do not go together: the robot failed to get there again and again."""
+    """Robots and places that do not go together."""
+    priorities: Mapping[str, int] = field(default_factory=dict)
+    """Targets to visit before others, by id; higher goes first, 0 where none is given."""
+    deadlines_s: Mapping[str, float] = field(default_factory=dict)
+    """Mission time by which a target is to be visited [s]."""
+    instructions: tuple[tuple[str, Instruction], ...] = ()
+    """All that people have said, with ids, for remarks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +59,8 @@ class Proposal:
     """The plan in force is as good: its steps stay, the assignments are its next ones."""
     unreachable: frozenset[str] = frozenset()
     """Targets that the team cannot visit as far as is known."""
+    remarks: Mapping[str, str] = field(default_factory=dict)
+    """Why an instruction cannot be obeyed, by its id."""
 
 
 class Strategy(Protocol):

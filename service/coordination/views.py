@@ -4,6 +4,7 @@ from semantic_attachments.world import Blockade, GridMap, World
 
 from service.coordination.known_map import write_cells
 from service.coordination.mission import Mission, MissionBlockade
+from service.messages.instruction import InstructionStatus
 from service.messages.plan import (
     BlockadeStatus,
     KnownMap,
@@ -46,6 +47,8 @@ def mission_detail(mission: Mission) -> MissionDetail:
                 pose=robot.pose,
                 state=robot.state,
                 lost=robot.lost,
+                left=robot.left,
+                taken_over=robot.taken_over,
                 carrier=robot.carrier,
                 command=command.id if (command := mission.commands.get(robot.id)) else None,
                 reported_at_s=robot.reported_at_s,
@@ -58,10 +61,20 @@ def mission_detail(mission: Mission) -> MissionDetail:
                 position_m=target.position_m,
                 visited_by=target.visited_by,
                 visited_at_s=target.visited_at_s,
+                removed=target.removed,
             )
             for target in mission.targets.values()
         ],
         blockades=[_blockade(blockade) for blockade in mission.blockades.values()],
+        instructions=[
+            InstructionStatus(
+                id=given.id,
+                instruction=given.instruction,
+                given_at_s=given.given_at_s,
+                remark=given.remark,
+            )
+            for given in mission.instructions.values()
+        ],
         decisions=list(mission.decisions),
     )
 

@@ -1,6 +1,7 @@
 """`GET /v1/missions/{id}` and `/plan`: what a mission tells about itself."""
 
 from service.messages.base import Identifier, Message, Pose, Position, Seconds
+from service.messages.instruction import InstructionStatus
 from service.messages.report import MissionStatus, RobotActivity
 
 
@@ -32,6 +33,11 @@ class RobotStatus(Message):
     pose: Pose
     state: RobotActivity
     lost: bool
+    """Silent for longer than its lease."""
+    left: bool
+    """Taken out of the mission."""
+    taken_over: bool
+    """Driven by a person."""
     carrier: str | None
     command: str | None
     reported_at_s: Seconds
@@ -44,6 +50,7 @@ class TargetStatus(Message):
     position_m: Position
     visited_by: str | None
     visited_at_s: float | None
+    removed: bool
 
 
 class BlockadeStatus(Message):
@@ -83,6 +90,7 @@ class MissionDetail(Message):
     robots: list[RobotStatus]
     targets: list[TargetStatus]
     blockades: list[BlockadeStatus]
+    instructions: list[InstructionStatus]
     decisions: list[Decision]
     """The latest 200."""
 

@@ -4,16 +4,21 @@ import re
 from http import HTTPStatus
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Header, Request, Response
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
 
-from service.coordination.coordinator import Coordinator, ReportRefusedError
+from service.coordination.coordinator import Coordinator, OverError, ReportRefusedError, summary
 from service.coordination.ports import StoreError
-from service.coordination.registry import FullError, MissionRefusedError, Missions
+from service.coordination.registry import (
+    FullError,
+    KeyReusedError,
+    MissionRefusedError,
+    Missions,
+)
 from service.coordination.views import known_map, mission_detail, plan_in_force
 from service.json_body import described, json_body
 from service.messages.mission import CreateMission
 from service.messages.plan import KnownMap, MissionDetail, PlanInForce
-from service.messages.report import Report, ReportAnswer
+from service.messages.report import MissionSummary, Report, ReportAnswer
 from service.problem_details import ProblemError, invalid, not_found
 from service.settings import Settings
 
@@ -58,15 +63,37 @@ def unavailable(error: StoreError) -> ProblemError:
     )
 
 
+def over(error: OverError) -> ProblemError:
+    """The mission has ended; nothing can be changed any more."""
+    return ProblemError(HTTPStatus.CONFLICT, "mission-over", str(error))
+
+
+@ROUTER.get("")
+async def list_missions(
+    all_missions: Annotated[Missions, Depends(missions)],
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+) -> list[MissionSummary]:
+    """The latest missions, open and over."""
+    return [summary(found.mission) for found in await all_missions.listed(limit)]
+
+
 @ROUTER.post("", status_code=HTTPStatus.CREATED, openapi_extra=described(CreateMission))
 async def create_mission(
     body: Annotated[CreateMission, Depends(json_body(CreateMission))],
     all_missions: Annotated[Missions, Depends(missions)],
     response: Response,
+    idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
 ) -> MissionDetail:
-    """Accepts a mission; it begins with the fleet's first report."""
+    """Accepts a mission; it begins with the fleet's first report.
+
+    Sent again with the same `Idempotency-Key`, it gives the mission that there is.
+    """
     try:
-        created = await all_missions.create(body)
+        created = await all_missions.create(body, idempotency_key)
+    except KeyReusedError as error:
+        raise ProblemError(
+            HTTPStatus.UNPROCESSABLE_ENTITY, "idempotency-key-reused", str(error)
+        ) from None
     except MissionRefusedError as error:
         raise invalid(error.faults) from None
     except FullError as error:
@@ -100,6 +127,18 @@ async def report(
 @ROUTER.get("/{mission_id}")
 async def get_mission(found: CoordinatorOf) -> MissionDetail:
     """The mission: status, robots, targets, blockades, decisions with their reasons."""
+    return mission_detail(found.mission)
+
+
+@ROUTER.delete("/{mission_id}")
+async def cancel_mission(found: CoordinatorOf) -> MissionDetail:
+    """Cancels the mission: its robots have no commands any more and stop."""
+    try:
+        await found.cancel("canceled by request")
+    except OverError as error:
+        raise over(error) from None
+    except StoreError as error:
+        raise unavailable(error) from None
     return mission_detail(found.mission)
 
 

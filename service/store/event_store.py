@@ -78,14 +78,41 @@ class EventStore:
         with self._engine.connect() as connection:
             return list(connection.scalars(query))
 
-    def events(self, mission_id: str) -> Iterator[Event]:
+    def events(self, mission_id: str, first_number: int = 0) -> Iterator[Event]:
         """A mission's events in order; none if there is no such mission."""
+        for _, event in self.numbered(mission_id, first_number):
+            yield event
+
+    def numbered(
+        self, mission_id: str, first_number: int = 0, limit: int | None = None
+    ) -> Iterator[tuple[int, Event]]:
+        """A mission's events with their numbers, from `first_number`."""
         query = (
-            select(EVENTS.c.body).where(EVENTS.c.mission_id == mission_id).order_by(EVENTS.c.number)
+            select(EVENTS.c.number, EVENTS.c.body)
+            .where(EVENTS.c.mission_id == mission_id, EVENTS.c.number >= first_number)
+            .order_by(EVENTS.c.number)
+            .limit(limit)
         )
         with self._engine.connect() as connection:
-            for body in connection.scalars(query):
-                yield from_json(body)
+            for number, body in connection.execute(query):
+                yield number, from_json(body)
+
+    def created_under(self, idempotency_key: str) -> tuple[str, str] | None:
+        """Mission id and body digest of the mission created under a key."""
+        query = select(MISSIONS.c.id, MISSIONS.c.body_digest).where(
+            MISSIONS.c.idempotency_key == idempotency_key
+        )
+        with self._engine.connect() as connection:
+            row = connection.execute(query).one_or_none()
+        return None if row is None else (row.id, row.body_digest)
+
+    def listed(self, limit: int) -> list[str]:
+        """Ids of missions, the latest first."""
+        query = (
+            select(MISSIONS.c.id).order_by(MISSIONS.c.created_at.desc(), MISSIONS.c.id).limit(limit)
+        )
+        with self._engine.connect() as connection:
+            return list(connection.scalars(query))
 
     def is_writable(self) -> bool:
         """Whether the database answers."""
@@ -144,6 +171,8 @@ class EventStore:
                         name=event.request.name,
                         domain=event.request.domain,
                         is_over=False,
+                        idempotency_key=event.idempotency_key,
+                        body_digest=event.body_digest,
                         created_at=now,
                     )
                 )

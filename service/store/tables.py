@@ -25,6 +25,8 @@ MISSIONS = Table(
     Column("domain", String(64), nullable=False),
     Column("is_over", Boolean, nullable=False),
     Column("created_at", DateTime(timezone=True), nullable=False),
+    Column("idempotency_key", String(200), unique=True),
+    Column("body_digest", String(64)),
     Index("missions_open", "is_over"),
 )
 
