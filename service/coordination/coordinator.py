@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 from semantic_attachments.contract import Memory
 from semantic_attachments.world import GridMap, RobotModel
-
 from service.coordination import dispatch, facts
 from service.coordination.admission import Fault, report_faults
 from service.coordination.events import (

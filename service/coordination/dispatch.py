@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from domains.formulation import Assignment, OrderKind
-from semantic_attachments.contract import Memory
 from shapely import LineString
 
+from domains.formulation import Assignment, OrderKind
+from semantic_attachments.contract import Memory
 from service.coordination.mission import Mission
 from service.coordination.strategy import Proposal, Situation
 from service.coordination.travel import Travel

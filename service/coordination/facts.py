@@ -56,7 +56,8 @@ def silent_robots(mission: Mission) -> list[str]:
     return [
         robot.id
         for robot in mission.robots.values()
-        if not (robot.lost or robot.left) and mission.time_s - robot.reported_at_s > mission.request.lease_s
+        if not (robot.lost or robot.left)
+        and mission.time_s - robot.reported_at_s > mission.request.lease_s
     ]
 
 

@@ -12,7 +12,6 @@ from math import isfinite
 from domains.formulation import Assignment, OrderKind
 from domains.mission_state import Activity
 from semantic_attachments.contract import Memory
-
 from service.coordination.assignment import hungarian
 from service.coordination.dispatch import comes_within
 from service.coordination.strategy import NoPlanError, Proposal, Situation

@@ -6,8 +6,8 @@ import zlib
 
 import numpy as np
 from numpy.typing import NDArray
-from semantic_attachments.world import GridMap, RobotModel
 
+from semantic_attachments.world import GridMap, RobotModel
 from service.messages.base import Position
 from service.messages.mission import CreateMission, MapMessage
 

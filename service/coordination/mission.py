@@ -226,6 +226,14 @@ class Mission:
                 self.status, self.status_reason = event.status, event.reason
                 self.commands.clear()
                 self._decide(event.time_s, event.status, event.reason)
+            case MissionCreated():
+                raise ValueError(f"mission {self.id} was created before")
+            case _:
+                self._apply_change(event)
+
+    def _apply_change(self, event: Event) -> None:
+        """What people change in a mission that is under way."""
+        match event:
             case RobotJoined(robot=robot):
                 self.robots[robot.id] = _fleet_robot(robot, self.time_s)
                 self._decide(event.time_s, "robot joined", robot.id)
@@ -243,8 +251,6 @@ class Mission:
                 self._instruct(event)
             case InstructionWithdrawn():
                 self._withdraw(event)
-            case MissionCreated():
-                raise ValueError(f"mission {self.id} was created before")
 
     def _decide(self, time_s: float, kind: str, reason: str) -> None:
         self.decisions.append(

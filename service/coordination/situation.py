@@ -5,12 +5,11 @@ from typing import TypeVar
 
 from domains.mission_state import Activity, BlockadeState, MissionState, RobotState, Target
 from semantic_attachments.world import GridMap, RobotModel
-
 from service.coordination.mission import FleetRobot, Mission
 from service.coordination.strategy import Situation
 from service.messages.instruction import Deadline, Forbid, Pin, Priority
 
-I = TypeVar("I", Priority, Deadline)
+Order = TypeVar("Order", Priority, Deadline)
 T = TypeVar("T")
 
 FAILURES_TOLERATED = 3
@@ -109,9 +108,7 @@ def _avoid(mission: Mission) -> frozenset[tuple[str, str]]:
     return frozenset(pairs)
 
 
-def _by_target(
-    mission: Mission, kind: type[I], value: Callable[[I], T]
-) -> dict[str, T]:
+def _by_target(mission: Mission, kind: type[Order], value: Callable[[Order], T]) -> dict[str, T]:
     """What the instructions of a kind say of each target that is open; the latest counts."""
     return {
         given.instruction.target: value(given.instruction)

@@ -12,7 +12,6 @@ from domains.formulation import Assignment
 from domains.mission_state import MissionState
 from semantic_attachments.contract import Memory
 from semantic_attachments.world import GridMap, RobotModel
-
 from service.messages.instruction import Instruction
 from service.messages.mission import PlanningMessage
 from service.messages.plan import PlanStep

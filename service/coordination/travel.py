@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from math import inf
 
+from domains import catalogue
 from domains.formulation import place_of
 from semantic_attachments.contract import Memory
 from semantic_attachments.grid import path_costs
-
-from domains import catalogue
 from service.coordination.strategy import Situation
 from service.messages.base import Position
 

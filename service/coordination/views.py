@@ -1,7 +1,6 @@
 """What a mission shows of itself."""
 
 from semantic_attachments.world import Blockade, GridMap, World
-
 from service.coordination.known_map import write_cells
 from service.coordination.mission import Mission, MissionBlockade
 from service.messages.instruction import InstructionStatus

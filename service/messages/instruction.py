@@ -47,9 +47,7 @@ class TakeOver(Message):
     robot: Identifier
 
 
-Instruction = Annotated[
-    Pin | Forbid | Priority | Deadline | TakeOver, Field(discriminator="kind")
-]
+Instruction = Annotated[Pin | Forbid | Priority | Deadline | TakeOver, Field(discriminator="kind")]
 
 
 class InstructionBody(RootModel[Instruction]):

@@ -35,7 +35,8 @@ async def events(
 ) -> AsyncIterator[ServerSentEvent]:
     """Everything that happened to the mission and happens from now on; ends with the mission.
 
-    Ids are the numbers of the events: a client that lost the connection goes on after `Last-Event-ID`.
+    Ids are the numbers of the events: a client that lost the connection goes on after the
+    `Last-Event-ID` it sends.
     """
     mission_id = found.mission.id
     while True:
