@@ -10,11 +10,14 @@
 //! ```
 
 pub mod attachment;
+pub mod epoch;
 pub mod format;
 pub mod grounding;
+pub mod heuristic;
 pub mod outcome;
 pub mod pddl;
 pub mod plan;
+pub mod solve;
 pub mod syntax;
 pub mod task;
 pub mod validate;

@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::pddl::model::{Arithmetic, Effect, EffectKind, Expression, ObjectId, TimedChange, When};
 use crate::task::{
     Axiom, Call, Change, Conjunction, Duration, FactId, GroundEffect, GroundExpression, Metric,
-    Operator, Task, TimedEvent,
+    FluentId, Operator, StateSymbols, Task, TimedEvent,
 };
 
 use super::formula::{AtomId, Formula, Instantiation, for_all_bindings, gather};
@@ -42,6 +42,7 @@ pub(super) fn assemble(
     world: &World<'_>,
     reached: Reached<'_>,
     strata: &[u32],
+    stateful: bool,
     limits: &GroundingLimits<'_>,
 ) -> Result<Task, GroundingError> {
     let mut assembly = Assembly {
@@ -55,6 +56,7 @@ pub(super) fn assemble(
             action_names: names(world.domain.actions.iter().map(|a| &a.name.text)),
             object_names: names(world.problem.objects.iter().map(|o| &o.name.text)),
             module_names: names(world.domain.modules.iter().map(|m| &m.name.text)),
+            module_kinds: world.domain.modules.iter().map(|m| m.kind).collect(),
             ..Task::default()
         },
     };
@@ -84,7 +86,7 @@ pub(super) fn assemble(
         .sort_by(|left, right| left.time.total_cmp(&right.time));
     assembly.goal()?;
     assembly.metric();
-    Ok(assembly.finish())
+    Ok(assembly.finish(stateful))
 }
 
 fn names<'a>(texts: impl Iterator<Item = &'a String>) -> Vec<String> {
@@ -468,7 +470,7 @@ impl Assembly<'_, '_> {
         }
     }
 
-    fn finish(self) -> Task {
+    fn finish(self, stateful: bool) -> Task {
         let Self {
             world,
             reached,
@@ -513,8 +515,48 @@ impl Assembly<'_, '_> {
             });
         }
         task.axioms.sort_by_key(|axiom| axiom.stratum);
+        if stateful {
+            task.symbols = state_symbols(world, &reached, &fact_of, &initial);
+        }
         task
     }
+}
+
+/// Where each symbol of the model went.
+fn state_symbols(
+    world: &World<'_>,
+    reached: &Reached<'_>,
+    fact_of: &FxHashMap<AtomId, FactId>,
+    initial: &FxHashSet<AtomId>,
+) -> StateSymbols {
+    let mut symbols = StateSymbols::default();
+    for (index, key) in reached.symbols.atoms.iter().enumerate() {
+        let atom = AtomId(index as u32);
+        match fact_of.get(&atom) {
+            Some(&fact) => {
+                symbols.facts.insert(key.clone(), Some(fact));
+            }
+            None if initial.contains(&atom) => {
+                symbols.facts.insert(key.clone(), None);
+            }
+            None => {}
+        }
+    }
+    for atom in &world.problem.facts {
+        if !world.changing_predicate[atom.predicate.index()] {
+            let key = (atom.predicate, atom.arguments.as_slice().into());
+            symbols.facts.insert(key, None);
+        }
+    }
+    for (key, value) in &world.values {
+        symbols.fluents.insert(key.clone(), Err(*value));
+    }
+    for (index, key) in reached.symbols.fluents.iter().enumerate() {
+        symbols
+            .fluents
+            .insert(key.clone(), Ok(FluentId(index as u32)));
+    }
+    symbols
 }
 
 /// Coefficient of the makespan in an expression that depends on nothing else.

@@ -11,6 +11,7 @@
 
 mod assembly;
 mod costs;
+pub(crate) use costs::complaint;
 mod formula;
 mod join;
 mod reachability;
@@ -24,7 +25,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use crate::attachment::{AttachmentError, Attachments, Purity};
-use crate::pddl::model::{Domain, ModuleId, Problem};
+use crate::pddl::model::{Domain, ModuleId, ModuleKind, Problem};
 use crate::syntax::span::Span;
 use crate::task::Task;
 
@@ -136,10 +137,12 @@ pub fn ground(
 ) -> Result<Task, GroundingError> {
     let world = world::World::new(domain, problem);
     let strata = stratification::strata(domain)?;
-    let stateful = (0..domain.modules.len() as u32)
-        .any(|module| attachments.purity(ModuleId(module)) == Purity::State);
     let reached = reachability::reach(&world, attachments, limits)?;
-    let mut task = assembly::assemble(&world, reached, &strata, limits)?;
+    let stateful = (0..domain.modules.len() as u32).map(ModuleId).any(|module| {
+        domain.modules[module.index()].kind == ModuleKind::Effect
+            || attachments.purity(module) == Purity::State
+    });
+    let mut task = assembly::assemble(&world, reached, &strata, stateful, limits)?;
     if !stateful {
         relevance::prune(&mut task);
     }

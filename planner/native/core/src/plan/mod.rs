@@ -4,6 +4,9 @@ mod parser;
 pub mod reader;
 pub mod writer;
 
+/// Least time between two happenings of which one changes what the other reads or changes [s].
+pub const EPSILON: f64 = 0.001;
+
 /// One step: an action with its start and duration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {

@@ -5,7 +5,12 @@
 //! compiled away (operators are split), so conditions are conjunctions of literals, numeric
 //! comparisons and attachments.
 
-use crate::pddl::model::{ActionId, Arithmetic, Assignment, Comparison, ModuleId, ObjectId};
+use rustc_hash::FxHashMap;
+
+use crate::pddl::model::{
+    ActionId, Arithmetic, Assignment, Comparison, FunctionId, ModuleId, ModuleKind, ObjectId,
+    PredicateId,
+};
 use crate::plan::Step;
 
 macro_rules! ids {
@@ -67,9 +72,22 @@ pub struct Task {
     pub mutex_groups: Vec<Vec<FactId>>,
     /// Whether relaxed reachability already proves that the goal cannot be reached.
     pub unsolvable: bool,
+    /// Kinds of the modules, by [`ModuleId`].
+    pub module_kinds: Vec<ModuleKind>,
+    /// Where the model's symbols went; empty unless an attachment may look at states.
+    pub symbols: StateSymbols,
     /// Whether compiling lost plans: a disjunction that has to hold over an interval was split
     /// into actions of which each keeps one disjunct throughout.
     pub narrowed: bool,
+}
+
+/// The model's ground symbols and what became of them, for attachments that look at states.
+#[derive(Clone, Debug, Default)]
+pub struct StateSymbols {
+    /// Atoms that states store; `None` for those that are always true.
+    pub facts: FxHashMap<(PredicateId, Box<[ObjectId]>), Option<FactId>>,
+    /// Fluents that states store, or the value of those that never change.
+    pub fluents: FxHashMap<(FunctionId, Box<[ObjectId]>), Result<FluentId, f64>>,
 }
 
 impl Task {
