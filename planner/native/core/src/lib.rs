@@ -17,6 +17,7 @@ pub mod heuristic;
 pub mod outcome;
 pub mod pddl;
 pub mod plan;
+pub mod portfolio;
 pub mod solve;
 pub mod syntax;
 pub mod task;

@@ -7,17 +7,20 @@ use rustc_hash::FxHashMap;
 use crate::attachment::{AttachmentError, Attachments, StateView};
 use crate::grounding::complaint;
 use crate::pddl::model::{FunctionId, ObjectId, PredicateId};
-use crate::task::{CallId, Task};
+use crate::task::{CallId, FluentPlace, Task};
 
 /// Entries after which the memo is emptied, so that it stays within some 100 MB.
 const MEMO_LIMIT: usize = 500_000;
+
+/// Results by call and fingerprint of the state.
+type Memo<T> = RefCell<FxHashMap<(CallId, u64), T>>;
 
 /// Evaluates the calls of one task.
 pub struct Calls<'a> {
     task: &'a Task,
     attachments: &'a dyn Attachments,
-    values: RefCell<FxHashMap<(CallId, u64), f64>>,
-    changes: RefCell<FxHashMap<(CallId, u64), Option<Vec<f64>>>>,
+    values: Memo<f64>,
+    changes: Memo<Option<Vec<f64>>>,
     failure: RefCell<Option<AttachmentError>>,
 }
 
@@ -61,12 +64,17 @@ impl StateView for View<'_> {
     }
 
     fn value(&self, function: FunctionId, arguments: &[ObjectId]) -> Option<f64> {
-        match self.task.symbols.fluents.get(&(function, arguments.into()))? {
-            Ok(fluent) => {
+        match self
+            .task
+            .symbols
+            .fluents
+            .get(&(function, arguments.into()))?
+        {
+            FluentPlace::Stored(fluent) => {
                 let value = self.state.values[fluent.index()];
                 (!value.is_nan()).then_some(value)
             }
-            Err(value) => Some(*value),
+            FluentPlace::Constant(value) => Some(*value),
         }
     }
 }

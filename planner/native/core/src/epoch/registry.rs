@@ -32,8 +32,10 @@ impl Edge {
     /// The operator and whether it got its longest duration; `None` for letting time pass.
     #[must_use]
     pub fn operator(self) -> Option<(OperatorId, bool)> {
-        (self != Self::ADVANCE)
-            .then_some((OperatorId(self.0 & !Self::LONGEST), self.0 & Self::LONGEST != 0))
+        (self != Self::ADVANCE).then_some((
+            OperatorId(self.0 & !Self::LONGEST),
+            self.0 & Self::LONGEST != 0,
+        ))
     }
 }
 
@@ -290,7 +292,8 @@ impl Registry {
             });
         }
         let known_running = &mut known_running[..running];
-        known_running.sort_unstable_by(|l, r| (l.0, l.1).cmp(&(r.0, r.1)).then(l.2.total_cmp(&r.2)));
+        known_running
+            .sort_unstable_by(|l, r| (l.0, l.1).cmp(&(r.0, r.1)).then(l.2.total_cmp(&r.2)));
         let mut own: [(u32, u32, f64); 64] = [(0, 0, 0.0); 64];
         for (slot, running) in own.iter_mut().zip(&state.running) {
             *slot = (running.operator.0, running.conditional, running.end);
@@ -348,7 +351,8 @@ fn hash(state: &State) -> u32 {
     let mut operators: u64 = 0;
     for running in &state.running {
         let spread = u64::from(running.operator.0) + 1;
-        operators = operators.wrapping_add(spread.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(23));
+        operators =
+            operators.wrapping_add(spread.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(23));
     }
     hasher.write_u64(operators);
     let hash = hasher.finish();

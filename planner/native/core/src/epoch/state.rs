@@ -239,12 +239,7 @@ impl<'a> Transitions<'a> {
     }
 
     /// The earliest start that keeps clear of what happened and of what will.
-    fn start_time(
-        &self,
-        state: &State,
-        operator: &CompiledOperator,
-        duration: f64,
-    ) -> Option<f64> {
+    fn start_time(&self, state: &State, operator: &CompiledOperator, duration: f64) -> Option<f64> {
         let mut time = state.time;
         for &(happened, event) in &state.recent {
             if happened + EPSILON > time && self.happening(event).interferes(&operator.start) {
@@ -494,13 +489,10 @@ impl<'a> Transitions<'a> {
                 Change::Assign(assignment, fluent, expression) => {
                     let name = || self.name(operator);
                     let snapshot = view.snapshot();
-                    let value = evaluate(
-                        expression,
-                        &view.values,
-                        duration,
-                        view.time,
-                        &mut |call| self.calls.value(call, snapshot, &name),
-                    );
+                    let value =
+                        evaluate(expression, &view.values, duration, view.time, &mut |call| {
+                            self.calls.value(call, snapshot, &name)
+                        });
                     let old = state.values[fluent.index()];
                     let new = match assignment {
                         Assignment::Assign => value,

@@ -4,8 +4,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::pddl::model::{Arithmetic, Effect, EffectKind, Expression, ObjectId, TimedChange, When};
 use crate::task::{
-    Axiom, Call, Change, Conjunction, Duration, FactId, GroundEffect, GroundExpression, Metric,
-    FluentId, Operator, StateSymbols, Task, TimedEvent,
+    Axiom, Call, Change, Conjunction, Duration, FactId, FluentId, FluentPlace, GroundEffect,
+    GroundExpression, Metric, Operator, StateSymbols, Task, TimedEvent,
 };
 
 use super::formula::{AtomId, Formula, Instantiation, for_all_bindings, gather};
@@ -549,12 +549,14 @@ fn state_symbols(
         }
     }
     for (key, value) in &world.values {
-        symbols.fluents.insert(key.clone(), Err(*value));
+        symbols
+            .fluents
+            .insert(key.clone(), FluentPlace::Constant(*value));
     }
     for (index, key) in reached.symbols.fluents.iter().enumerate() {
         symbols
             .fluents
-            .insert(key.clone(), Ok(FluentId(index as u32)));
+            .insert(key.clone(), FluentPlace::Stored(FluentId(index as u32)));
     }
     symbols
 }

@@ -138,10 +138,12 @@ pub fn ground(
     let world = world::World::new(domain, problem);
     let strata = stratification::strata(domain)?;
     let reached = reachability::reach(&world, attachments, limits)?;
-    let stateful = (0..domain.modules.len() as u32).map(ModuleId).any(|module| {
-        domain.modules[module.index()].kind == ModuleKind::Effect
-            || attachments.purity(module) == Purity::State
-    });
+    let stateful = (0..domain.modules.len() as u32)
+        .map(ModuleId)
+        .any(|module| {
+            domain.modules[module.index()].kind == ModuleKind::Effect
+                || attachments.purity(module) == Purity::State
+        });
     let mut task = assembly::assemble(&world, reached, &strata, stateful, limits)?;
     if !stateful {
         relevance::prune(&mut task);

@@ -87,7 +87,16 @@ pub struct StateSymbols {
     /// Atoms that states store; `None` for those that are always true.
     pub facts: FxHashMap<(PredicateId, Box<[ObjectId]>), Option<FactId>>,
     /// Fluents that states store, or the value of those that never change.
-    pub fluents: FxHashMap<(FunctionId, Box<[ObjectId]>), Result<FluentId, f64>>,
+    pub fluents: FxHashMap<(FunctionId, Box<[ObjectId]>), FluentPlace>,
+}
+
+/// What became of a fluent of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FluentPlace {
+    /// States store it.
+    Stored(FluentId),
+    /// It always has this value.
+    Constant(f64),
 }
 
 impl Task {

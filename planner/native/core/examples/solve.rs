@@ -1,0 +1,68 @@
+//! Solves a problem file and prints every improving plan: `solve DOMAIN PROBLEM [SECONDS] [PLAN]`.
+//!
+//! For profiling the core without Python; attachments are not available.
+
+use std::time::{Duration, Instant};
+
+use planner_core::attachment::NoAttachments;
+use planner_core::pddl::{read_domain, read_problem};
+use planner_core::plan::Plan;
+use planner_core::solve::{SolveOptions, solve};
+use planner_core::syntax::source::SourceFile;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [domain_path, problem_path, rest @ ..] = arguments.as_slice() else {
+        return Err("usage: solve DOMAIN PROBLEM [SECONDS] [PLAN]".into());
+    };
+    let seconds: f64 = rest.first().map_or(Ok(10.0), |text| text.parse())?;
+    let begun = Instant::now();
+    let text = std::fs::read_to_string(domain_path)?;
+    let (domain, diagnostics) = read_domain(&SourceFile::new(domain_path, text.as_str()));
+    let domain = domain.ok_or_else(|| format!("{diagnostics:?}"))?;
+    let text = std::fs::read_to_string(problem_path)?;
+    let (problem, diagnostics) =
+        read_problem(&SourceFile::new(problem_path, text.as_str()), &domain);
+    let problem = problem.ok_or_else(|| format!("{diagnostics:?}"))?;
+    let read_s = begun.elapsed().as_secs_f64();
+    let options = SolveOptions {
+        timeout: Some(Duration::from_secs_f64(seconds)),
+        seed: std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap_or(0)),
+        first_plan_only: std::env::var("FIRST").is_ok(),
+        ..SolveOptions::default()
+    };
+    let mut best = Plan::default();
+    let report = solve(&domain, &problem, &NoAttachments, &options, &mut |plan| {
+        println!(
+            "{:.3} {:.3}",
+            begun.elapsed().as_secs_f64(),
+            plan.makespan()
+        );
+        best = plan.clone();
+    })?;
+    println!(
+        "{:?} read {read_s:.3} ground {:.3} operators {} facts {} bound {:.3} expansions {} ({:.0}/s) schedules {}",
+        report.outcome,
+        report.grounding_s,
+        report.operators,
+        report.facts,
+        report.lower_bound,
+        report.expansions,
+        report.expansions as f64 / begun.elapsed().as_secs_f64(),
+        report.schedules,
+    );
+    if let (Some(path), false) = (rest.get(1), best.steps.is_empty()) {
+        let mut text = String::new();
+        for step in &best.steps {
+            let name = [&[step.action.clone()], step.arguments.as_slice()]
+                .concat()
+                .join(" ");
+            match step.duration {
+                Some(duration) => text += &format!("{}: ({name}) [{duration}]\n", step.start),
+                None => text += &format!("{}: ({name})\n", step.start),
+            }
+        }
+        std::fs::write(path, text)?;
+    }
+    Ok(())
+}

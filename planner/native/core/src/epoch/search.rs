@@ -1,0 +1,360 @@
+//! Best-first search with deferred evaluation over two alternating open lists.
+//!
+//! A node is evaluated when it is expanded and hands its value to all its successors; successors
+//! by preferred operators are in a list of their own, which is served more often after progress
+//! (Richter and Helmert, "Preferred operators and deferred evaluation in satisficing planning",
+//! ICAPS 2009). After a plan the same search goes on and prunes what cannot be shorter.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use crate::heuristic::{Estimate, Heuristic};
+use crate::plan::Plan;
+use crate::task::{Duration, OperatorId};
+
+use super::compiled::Compiled;
+use super::open_list::{Entry, OpenList};
+use super::registry::{Dominance, Edge, NodeId, Registry};
+use super::state::{State, Transitions};
+use super::successors::Successors;
+
+/// Expansions that progress is worth to the list of preferred successors.
+const BOOST: i64 = 1_000;
+
+/// Parameters of one search.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters {
+    /// Weight of the heuristic against the time already spent, in time units an action; 0 is greedy.
+    pub time_weight: f64,
+    /// Shuffles successors if not 0.
+    pub seed: u64,
+    /// When states make others superfluous.
+    pub dominance: Dominance,
+    /// Differences of time that do not count [s].
+    pub tolerance: f64,
+    /// Bytes that states and open lists may take.
+    pub memory: usize,
+}
+
+/// How a run of the search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// There is more to search.
+    Interrupted,
+    /// A plan was found; the search can go on.
+    Found,
+    /// Nothing is left.
+    Exhausted,
+    /// The memory allowed is full.
+    MemoryFull,
+}
+
+/// What a search has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// States whose successors were generated.
+    pub expansions: u64,
+    /// Calls of the heuristic.
+    pub evaluations: u64,
+    /// Successors built.
+    pub generated: u64,
+    /// States that the heuristic gave up.
+    pub dead_ends: u64,
+}
+
+/// One best-first search.
+pub struct Search<'a> {
+    transitions: Transitions<'a>,
+    compiled: &'a Compiled<'a>,
+    successors: &'a Successors,
+    heuristic: Box<dyn Heuristic + 'a>,
+    parameters: Parameters,
+    registry: Registry,
+    all: OpenList,
+    preferred: OpenList,
+    bound: f64,
+    best_estimate: u32,
+    random: ChaCha8Rng,
+    state: State,
+    parent_facts: Vec<u64>,
+    marked: Vec<u32>,
+    stamp: u32,
+    started: bool,
+    /// What was done so far.
+    pub statistics: Statistics,
+    /// Whether a duration had to be chosen among several.
+    pub chose_duration: bool,
+}
+
+impl<'a> Search<'a> {
+    /// A search that has not begun.
+    #[must_use]
+    pub fn new(
+        transitions: Transitions<'a>,
+        successors: &'a Successors,
+        heuristic: Box<dyn Heuristic + 'a>,
+        parameters: Parameters,
+    ) -> Self {
+        let compiled = transitions.compiled;
+        Self {
+            transitions,
+            compiled,
+            successors,
+            heuristic,
+            registry: Registry::new(
+                compiled.words,
+                compiled.task.fluents.len(),
+                parameters.dominance,
+                parameters.tolerance,
+            ),
+            all: OpenList::default(),
+            preferred: OpenList::default(),
+            bound: f64::INFINITY,
+            best_estimate: u32::MAX,
+            random: ChaCha8Rng::seed_from_u64(parameters.seed),
+            parameters,
+            state: State::default(),
+            parent_facts: Vec::new(),
+            marked: vec![0; compiled.operators.len()],
+            stamp: 0,
+            started: false,
+            statistics: Statistics::default(),
+            chose_duration: false,
+        }
+    }
+
+    /// Looks only for plans that end earlier than this [s] from now on.
+    pub fn set_bound(&mut self, bound: f64) {
+        self.bound = bound;
+    }
+
+    /// Bytes held, about.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        self.registry.memory() + self.all.memory() + self.preferred.memory()
+    }
+
+    /// Searches until a plan below the bound is found (given to `found`), `expansions` more states
+    /// are expanded, or the space is exhausted.
+    pub fn run(&mut self, expansions: u64, found: &mut dyn FnMut(Plan)) -> Status {
+        if !self.started {
+            self.started = true;
+            self.state = State::initial(self.compiled);
+            if let Some(node) = self.registry.insert(&self.state, None) {
+                self.parent_facts.clear();
+                if self.expand(node, None, found) {
+                    return Status::Found;
+                }
+            }
+        }
+        let end = self.statistics.expansions + expansions;
+        while self.statistics.expansions < end {
+            let Some((parent, edge)) = self.next() else {
+                return Status::Exhausted;
+            };
+            self.registry.load(parent, &mut self.state);
+            self.parent_facts.clone_from(&self.state.facts);
+            let parent_time = self.state.time;
+            self.statistics.generated += 1;
+            let applies = match edge.operator() {
+                None => self.transitions.advance(&mut self.state),
+                Some((operator, longest)) => {
+                    self.transitions.start(&mut self.state, operator, longest)
+                }
+            };
+            if !applies || self.state.last_end() >= self.bound {
+                continue;
+            }
+            let Some(node) = self.registry.insert(&self.state, Some((parent, edge))) else {
+                continue;
+            };
+            let simultaneous = (self.state.time == parent_time)
+                .then(|| edge.operator().map(|(operator, _)| operator))
+                .flatten();
+            if self.expand(node, simultaneous, found) {
+                return Status::Found;
+            }
+            if self.statistics.expansions.is_multiple_of(1024)
+                && self.memory() > self.parameters.memory
+            {
+                return Status::MemoryFull;
+            }
+        }
+        Status::Interrupted
+    }
+
+    fn next(&mut self) -> Option<(NodeId, Edge)> {
+        let registry = &self.registry;
+        let bound = self.bound;
+        let mut stale = |node| registry.is_dead(node) || registry.time(node) >= bound;
+        loop {
+            let from_preferred = !self.preferred.is_empty()
+                && (self.all.is_empty() || self.preferred.priority <= self.all.priority);
+            let list = if from_preferred {
+                &mut self.preferred
+            } else {
+                &mut self.all
+            };
+            list.priority += 1;
+            if let Some(next) = list.pop(&mut stale) {
+                return Some(next);
+            }
+            if self.all.is_empty() && self.preferred.is_empty() {
+                return None;
+            }
+        }
+    }
+
+    /// Evaluates the current state and queues its successors; true if it is a goal.
+    fn expand(
+        &mut self,
+        node: NodeId,
+        simultaneous: Option<OperatorId>,
+        found: &mut dyn FnMut(Plan),
+    ) -> bool {
+        if self.transitions.is_goal(&self.state) {
+            let plan = self.plan(node);
+            self.bound = self.bound.min(plan.makespan());
+            found(plan);
+            return true;
+        }
+        self.statistics.evaluations += 1;
+        let Estimate::Value(estimate) = self.heuristic.evaluate(&self.state) else {
+            self.statistics.dead_ends += 1;
+            return false;
+        };
+        self.statistics.expansions += 1;
+        if estimate < self.best_estimate {
+            if self.best_estimate != u32::MAX {
+                self.preferred.priority -= BOOST;
+            }
+            self.best_estimate = estimate;
+        }
+        self.stamp += 1;
+        for operator in self.heuristic.preferred() {
+            self.marked[operator.index()] = self.stamp;
+        }
+        let mut edges = Vec::new();
+        let mut preferred = Vec::new();
+        if self.state.next_event(self.compiled).is_some() {
+            edges.push(Edge::ADVANCE);
+            if self.heuristic.prefers_waiting() {
+                preferred.push(Edge::ADVANCE);
+            }
+        }
+        let first = (edges.len(), preferred.len());
+        let (compiled, marked, stamp) = (self.compiled, &self.marked, self.stamp);
+        let parent_facts = &self.parent_facts;
+        let mut chose_duration = false;
+        self.successors
+            .for_each(compiled, &self.state, self.bound, &mut |id| {
+                if simultaneous.is_some_and(|last| commutes(compiled, last, id, parent_facts)) {
+                    return;
+                }
+                let mut push = |edge| {
+                    edges.push(edge);
+                    if marked[id.index()] == stamp {
+                        preferred.push(edge);
+                    }
+                };
+                if let Some(Duration::Bounds(_, upper)) = &compiled.operator(id).duration {
+                    chose_duration = true;
+                    if !matches!(upper, crate::task::GroundExpression::Constant(value) if value.is_infinite())
+                    {
+                        push(Edge::start(id, true));
+                    }
+                }
+                push(Edge::start(id, false));
+            });
+        self.chose_duration |= chose_duration;
+        if self.parameters.seed != 0 {
+            shuffle(&mut edges[first.0..], &mut self.random);
+            shuffle(&mut preferred[first.1..], &mut self.random);
+        }
+        let priority = self.priority(estimate);
+        self.all.push(priority, Entry { node, edges });
+        self.preferred.push(
+            priority,
+            Entry {
+                node,
+                edges: preferred,
+            },
+        );
+        false
+    }
+
+    fn priority(&self, estimate: u32) -> u32 {
+        if self.parameters.time_weight == 0.0 {
+            return estimate;
+        }
+        let spent = self.state.last_end() / self.parameters.time_weight;
+        estimate.saturating_add(spent.min(1e6) as u32)
+    }
+
+    /// The plan that leads to a node, by replaying its edges.
+    fn plan(&self, node: NodeId) -> Plan {
+        replay(&self.transitions, &self.registry.path(node))
+    }
+}
+
+/// Runs edges from the initial state and writes down the steps.
+#[must_use]
+pub fn replay(transitions: &Transitions<'_>, edges: &[Edge]) -> Plan {
+    let mut state = State::initial(transitions.compiled);
+    let mut steps = Vec::new();
+    for edge in edges {
+        match edge.operator() {
+            None => {
+                transitions.advance(&mut state);
+            }
+            Some((operator, longest)) => {
+                let duration = transitions.duration(operator, &state, longest);
+                transitions.start(&mut state, operator, longest);
+                let durative = transitions.compiled.operator(operator).duration.is_some();
+                let step = transitions.compiled.task.step(
+                    operator,
+                    state.time,
+                    durative.then_some(duration),
+                );
+                steps.push(step);
+            }
+        }
+    }
+    steps.sort_by(|left, right| left.start.total_cmp(&right.start));
+    Plan { steps }
+}
+
+/// Whether starting `next` just after `last` only repeats the other order: both could start at the
+/// parent state and do not touch each other. Of the two orders the one with rising ids is kept.
+fn commutes(
+    compiled: &Compiled<'_>,
+    last: OperatorId,
+    next: OperatorId,
+    parent_facts: &[u64],
+) -> bool {
+    if next >= last || parent_facts.is_empty() {
+        return false;
+    }
+    let (one, two) = (compiled.operator(last), compiled.operator(next));
+    let simple = |operator: &super::compiled::CompiledOperator| {
+        operator.duration.is_some()
+            && !operator.may_overlap_itself
+            && operator.invariant.comparisons.is_empty()
+            && operator.invariant.calls.is_empty()
+            && operator.start_condition.comparisons.is_empty()
+            && operator.start_condition.calls.is_empty()
+    };
+    simple(one)
+        && simple(two)
+        && two.start_condition.literals_hold(parent_facts)
+        && two.invariant.literals_hold(parent_facts)
+        && one.invariant.literals_hold(parent_facts)
+        && !one.start.interferes(&two.start)
+}
+
+fn shuffle(edges: &mut [Edge], random: &mut ChaCha8Rng) {
+    for index in (1..edges.len()).rev() {
+        edges.swap(index, random.random_range(0..=index));
+    }
+}

@@ -1,0 +1,178 @@
+//! The critical path heuristic: the earliest time at which each goal alone could hold, if every
+//! action waited only for its latest condition (h_max over time).
+//!
+//! Admissible for the makespan: start effects count from the start, end effects from the end, what
+//! runs supplies its end effects when it ends. Source: Haslum and Geffner, "Heuristic planning with
+//! time and resources", ECP 2001 (h^1).
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::epoch::compiled::{Compiled, comparison_holds};
+use crate::epoch::state::State;
+use crate::task::Change;
+
+use super::relaxed::{Proposition, RelaxedTask};
+
+/// Non-negative times ordered by their bits.
+fn key(time: f64) -> u64 {
+    time.max(0.0).to_bits()
+}
+
+/// Computes lower bounds of the makespan.
+pub struct CriticalPath<'a> {
+    compiled: &'a Compiled<'a>,
+    relaxed: &'a RelaxedTask,
+    time: Vec<f64>,
+    open_preconditions: Vec<u32>,
+    queue: BinaryHeap<Reverse<(u64, Proposition)>>,
+    /// By goal: when an action that supplies it may have ended.
+    finished: Vec<f64>,
+    is_goal: Vec<bool>,
+}
+
+impl<'a> CriticalPath<'a> {
+    /// For one task.
+    #[must_use]
+    pub fn new(compiled: &'a Compiled<'a>, relaxed: &'a RelaxedTask) -> Self {
+        Self {
+            compiled,
+            relaxed,
+            time: vec![f64::INFINITY; relaxed.propositions as usize],
+            open_preconditions: Vec::new(),
+            queue: BinaryHeap::new(),
+            finished: vec![f64::INFINITY; relaxed.propositions as usize],
+            is_goal: {
+                let mut is_goal = vec![false; relaxed.propositions as usize];
+                for &goal in &relaxed.goal {
+                    is_goal[goal as usize] = true;
+                }
+                is_goal
+            },
+        }
+    }
+
+    fn reach(&mut self, proposition: Proposition, time: f64) {
+        if time < self.time[proposition as usize] {
+            self.time[proposition as usize] = time;
+            self.queue.push(Reverse((key(time), proposition)));
+        }
+    }
+
+    fn seed(&mut self, state: &State) {
+        let relaxed = self.relaxed;
+        for fact in 0..relaxed.facts {
+            if state.holds(crate::task::FactId(fact)) {
+                self.reach(fact, 0.0);
+            }
+        }
+        for &(fact, proposition) in &relaxed.negations {
+            if !state.holds(fact) {
+                self.reach(proposition, 0.0);
+            }
+        }
+        for running in &state.running {
+            for &proposition in &relaxed.end_adds[running.operator.index()] {
+                self.reach(proposition, running.end - state.time);
+            }
+            for effect in &self.compiled.operator(running.operator).end.effects {
+                if effect.condition.is_some()
+                    && let Change::Add(fact) = effect.change
+                {
+                    self.reach(fact.0, running.end - state.time);
+                }
+            }
+        }
+        for event in &self.compiled.task.timed[state.next_timed as usize..] {
+            match &event.change {
+                Change::Add(fact) => self.reach(fact.0, event.time - state.time),
+                Change::Delete(fact) => {
+                    if let Ok(at) = relaxed.negations.binary_search_by_key(fact, |n| n.0) {
+                        self.reach(relaxed.negations[at].1, event.time - state.time);
+                    }
+                }
+                _ => {}
+            }
+        }
+        // A comparison that does not hold may be made true by running operators and timed literals.
+        let pending = !state.running.is_empty()
+            || (state.next_timed as usize) < self.compiled.task.timed.len();
+        for (index, comparison) in relaxed.comparisons.iter().enumerate() {
+            let holds =
+                comparison_holds(&comparison.condition, &state.values, f64::NAN, &mut |_| {
+                    f64::NAN
+                });
+            if holds || pending || comparison.linear.is_none() {
+                self.reach(relaxed.first_comparison + index as Proposition, 0.0);
+            }
+        }
+    }
+
+    /// The earliest time after a state at which every proposition of the goal may hold [s];
+    /// infinite if some never can.
+    pub fn remaining(&mut self, state: &State) -> f64 {
+        let relaxed = self.relaxed;
+        self.time.fill(f64::INFINITY);
+        self.open_preconditions.clear();
+        self.open_preconditions
+            .extend(relaxed.actions.iter().map(|action| action.preconditions));
+        self.queue.clear();
+        self.seed(state);
+        for &goal in &relaxed.goal {
+            self.finished[goal as usize] = self.time[goal as usize];
+        }
+        for &action in &relaxed.unconditional {
+            self.fire(action, 0.0);
+        }
+        while let Some(Reverse((bits, proposition))) = self.queue.pop() {
+            let time = f64::from_bits(bits);
+            if time > self.time[proposition as usize] {
+                continue;
+            }
+            for &action in relaxed.readers_of(proposition) {
+                let open = &mut self.open_preconditions[action as usize];
+                *open -= 1;
+                if *open == 0 {
+                    self.fire(action, time);
+                }
+            }
+        }
+        let mut latest: f64 = state.last_end() - state.time;
+        for &goal in &relaxed.goal {
+            latest = latest.max(self.finished[goal as usize]);
+        }
+        latest
+    }
+
+    fn fire(&mut self, index: u32, time: f64) {
+        let relaxed = self.relaxed;
+        let action = &relaxed.actions[index as usize];
+        let ends = match self.compiled.operators.get(action.operator.index()) {
+            Some(operator) => time + operator.least_duration,
+            None => time,
+        };
+        let numeric = action
+            .numeric
+            .iter()
+            .map(|support| relaxed.first_comparison + support.comparison);
+        for proposition in action.adds.iter().copied().chain(numeric) {
+            self.reach(proposition, time + action.delay);
+            if self.is_goal[proposition as usize] {
+                let finished = &mut self.finished[proposition as usize];
+                *finished = finished.min(ends);
+            }
+        }
+    }
+
+    /// The relaxed time of a proposition in the last evaluation [s].
+    #[must_use]
+    pub fn time_of(&self, proposition: Proposition) -> f64 {
+        self.time[proposition as usize]
+    }
+}
+
+/// A lower bound of the makespan of every plan [s]; infinite if there is none.
+#[must_use]
+pub fn makespan_bound(compiled: &Compiled<'_>, relaxed: &RelaxedTask) -> f64 {
+    CriticalPath::new(compiled, relaxed).remaining(&State::initial(compiled))
+}

@@ -1,0 +1,173 @@
+//! From a domain and a problem to plans.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::attachment::{AttachmentError, Attachments};
+use crate::grounding::{GroundingError, GroundingLimits, ground};
+use crate::outcome::Outcome;
+use crate::pddl::model::{Domain, Problem};
+use crate::plan::Plan;
+use crate::portfolio;
+use crate::task::Task;
+
+/// What bounds and steers a run.
+#[derive(Clone, Copy, Debug)]
+pub struct SolveOptions<'a> {
+    /// Wall-clock time from the call on, grounding included; `None` is until done.
+    pub timeout: Option<Duration>,
+    /// Seed of all random choices.
+    pub seed: u64,
+    /// Threads that search; with one, a seed and a node limit the same input gives the same plans.
+    pub threads: usize,
+    /// Expansions and plan evaluations after which to stop.
+    pub node_limit: Option<u64>,
+    /// Bytes that searching may hold.
+    pub memory_limit: usize,
+    /// Set by another thread to stop; noticed within 50 ms.
+    pub cancel: Option<&'a AtomicBool>,
+    /// Whether to stop at the first plan.
+    pub first_plan_only: bool,
+    /// The plan in execution, its times counted from now; what is left of it may be the first plan.
+    pub warm_start: Option<&'a Plan>,
+}
+
+impl Default for SolveOptions<'_> {
+    fn default() -> Self {
+        Self {
+            timeout: Some(Duration::from_secs(10)),
+            seed: 0,
+            threads: 1,
+            node_limit: None,
+            memory_limit: 2 << 30,
+            cancel: None,
+            first_plan_only: false,
+            warm_start: None,
+        }
+    }
+}
+
+/// A plan and when it was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundPlan {
+    /// The plan.
+    pub plan: Plan,
+    /// Its value under the problem's metric; the makespan if there is none.
+    pub cost: f64,
+    /// Since the call [s].
+    pub wall_s: f64,
+}
+
+/// The result of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolveReport {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Improving plans, the best last.
+    pub plans: Vec<FoundPlan>,
+    /// No plan has a smaller makespan (metric value) than this; 0 if nothing is known.
+    pub lower_bound: f64,
+    /// States whose successors were generated.
+    pub expansions: u64,
+    /// Heuristic evaluations.
+    pub evaluations: u64,
+    /// Plans built by the list-schedule search.
+    pub schedules: u64,
+    /// Ground operators.
+    pub operators: usize,
+    /// Ground facts that states store.
+    pub facts: usize,
+    /// Time for grounding [s].
+    pub grounding_s: f64,
+}
+
+/// Why a run failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolveError {
+    /// Grounding failed.
+    #[error(transparent)]
+    Grounding(GroundingError),
+    /// An attachment failed.
+    #[error(transparent)]
+    Attachment(#[from] AttachmentError),
+}
+
+/// Solves a problem and calls `improved` with every improving plan as soon as it is found.
+///
+/// # Errors
+/// A fault of an attachment, or a problem that cannot be grounded. Running out of time or memory
+/// is an [`Outcome`].
+pub fn solve(
+    domain: &Domain,
+    problem: &Problem,
+    attachments: &dyn Attachments,
+    options: &SolveOptions<'_>,
+    improved: &mut dyn FnMut(&Plan),
+) -> Result<SolveReport, SolveError> {
+    let begun = Instant::now();
+    let limits = GroundingLimits {
+        deadline: options.timeout.map(|timeout| begun + timeout),
+        cancel: options.cancel,
+        ..GroundingLimits::default()
+    };
+    let task = match ground(domain, problem, attachments, &limits) {
+        Ok(task) => task,
+        Err(GroundingError::TimedOut) => return Ok(empty(Outcome::TimedOut, begun)),
+        Err(GroundingError::Cancelled) => return Ok(empty(Outcome::Cancelled, begun)),
+        Err(GroundingError::Attachment(error)) => return Err(SolveError::Attachment(error)),
+        Err(error) => return Err(SolveError::Grounding(error)),
+    };
+    solve_task(&task, attachments, options, begun, improved)
+}
+
+/// Solves a grounded task; `begun` is when the clock started.
+///
+/// # Errors
+/// A fault of an attachment.
+pub fn solve_task(
+    task: &Task,
+    attachments: &dyn Attachments,
+    options: &SolveOptions<'_>,
+    begun: Instant,
+    improved: &mut dyn FnMut(&Plan),
+) -> Result<SolveReport, SolveError> {
+    let mut report = empty(Outcome::ProvenUnsolvable, begun);
+    report.operators = task.operators.len();
+    report.facts = task.facts.len();
+    if task.unsolvable {
+        return Ok(report);
+    }
+    portfolio::run(task, attachments, options, begun, &mut report, improved)?;
+    Ok(report)
+}
+
+fn empty(outcome: Outcome, begun: Instant) -> SolveReport {
+    SolveReport {
+        outcome,
+        plans: Vec::new(),
+        lower_bound: 0.0,
+        expansions: 0,
+        evaluations: 0,
+        schedules: 0,
+        operators: 0,
+        facts: 0,
+        grounding_s: begun.elapsed().as_secs_f64(),
+    }
+}
+
+impl SolveOptions<'_> {
+    /// Whether to stop now, by time or by request.
+    #[must_use]
+    pub fn interrupted(&self, begun: Instant) -> Option<Outcome> {
+        if self
+            .cancel
+            .is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+        {
+            return Some(Outcome::Cancelled);
+        }
+        (self
+            .timeout
+            .is_some_and(|timeout| begun.elapsed() >= timeout))
+        .then_some(Outcome::TimedOut)
+    }
+}
