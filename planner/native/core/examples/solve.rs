@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let (Some(path), false) = (rest.get(1), best.steps.is_empty()) {
         let mut text = String::new();
         for step in &best.steps {
-            let name = [&[step.action.clone()], step.arguments.as_slice()]
+            let name = [std::slice::from_ref(&step.action), &step.arguments]
                 .concat()
                 .join(" ");
             match step.duration {

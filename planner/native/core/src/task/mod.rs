@@ -207,6 +207,10 @@ pub struct Operator {
     pub invariant: Conjunction,
     /// Must hold at end.
     pub end_condition: Conjunction,
+    /// Facts that the conditions at start and at end mention although their truth does not
+    /// decide them (the other disjuncts, implications that hold anyway). They count as read where
+    /// happenings interfere.
+    pub also_reads: [Vec<FactId>; 2],
     /// Happen at start.
     pub start_effects: Vec<GroundEffect>,
     /// Happen at end.
