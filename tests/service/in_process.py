@@ -33,6 +33,11 @@ class InProcessClient:
     def request(self, method: str, path: str, **more: Any) -> httpx.Response:
         return self.run(self._http.request(method, path, **more))
 
+    def start(self, method: str, path: str, **more: Any) -> "Future[httpx.Response]":
+        """A request whose answer is asked for later."""
+        work = self._http.request(method, path, **more)
+        return asyncio.run_coroutine_threadsafe(work, self._loop)
+
     def get(self, path: str, **more: Any) -> httpx.Response:
         return self.request("GET", path, **more)
 

@@ -134,7 +134,7 @@ class ScriptedFleet:
         commands = {command["robot"]: command for command in answer["commands"]}
         for robot in self.robots:
             command = commands.get(robot.id)
-            if robot.is_clearing:
+            if robot.is_clearing or robot.state == "failed":
                 continue
             if command is None:
                 robot.command, robot.path, robot.state = None, [], "idle"
