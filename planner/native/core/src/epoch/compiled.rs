@@ -317,9 +317,13 @@ fn compile(task: &Task, operator: &Operator) -> CompiledOperator {
             start.read(&conditions[0]);
         }
     }
+    start.reads.extend(&operator.also_reads[0]);
     start.reads.sort_unstable();
     start.reads.dedup();
     let mut end = Happening::of(task, &operator.end_condition, &operator.end_effects);
+    end.reads.extend(&operator.also_reads[1]);
+    end.reads.sort_unstable();
+    end.reads.dedup();
     if operator.duration.is_none() {
         end = Happening::default();
     }

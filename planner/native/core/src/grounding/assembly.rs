@@ -2,7 +2,10 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::pddl::model::{Arithmetic, Effect, EffectKind, Expression, ObjectId, TimedChange, When};
+use crate::pddl::model::{
+    Arithmetic, Condition, ConditionKind, Effect, EffectKind, Expression, ObjectId, PredicateId,
+    TimedChange, When,
+};
 use crate::task::{
     Axiom, Call, Change, Conjunction, Duration, FactId, FluentId, FluentPlace, GroundEffect,
     GroundExpression, Metric, Operator, StateSymbols, Task, TimedEvent,
@@ -281,6 +284,32 @@ impl Assembly<'_, '_> {
         })
     }
 
+    /// Facts inside conditions that are not plain conjunctions.
+    fn mentions(&mut self, instance: &Instance, wanted: When) -> Vec<FactId> {
+        let Origin::Action(_, action) = self.reached.schemas[instance.schema as usize].origin
+        else {
+            return Vec::new();
+        };
+        let world = self.world;
+        let mut atoms = Vec::new();
+        let mut bindings = instance.arguments.to_vec();
+        for (when, condition) in &action.conditions {
+            if *when == wanted {
+                mentioned(world, condition, false, &mut bindings, &mut atoms);
+            }
+        }
+        let mut facts: Vec<FactId> = atoms
+            .into_iter()
+            .filter_map(|(predicate, arguments)| {
+                let atom = self.reached.symbols.atom(predicate, arguments);
+                (self.known(atom).is_none()).then(|| self.fact(atom))
+            })
+            .collect();
+        facts.sort_unstable();
+        facts.dedup();
+        facts
+    }
+
     fn instance(
         &mut self,
         instance: &Instance,
@@ -313,6 +342,10 @@ impl Assembly<'_, '_> {
         let end = self.formula(instance, When::End);
         let ends = self.conjunctions(end, Some(instance))?;
         let (start_effects, end_effects) = self.split_effects(effects, instance)?;
+        let also_reads = [
+            self.mentions(instance, When::Start),
+            self.mentions(instance, When::End),
+        ];
         self.task.narrowed |= throughouts.len() > 1;
         for start_condition in &starts {
             for invariant in &throughouts {
@@ -324,6 +357,7 @@ impl Assembly<'_, '_> {
                         start_condition: start_condition.clone(),
                         invariant: invariant.clone(),
                         end_condition: end_condition.clone(),
+                        also_reads: also_reads.clone(),
                         start_effects: start_effects.clone(),
                         end_effects: end_effects.clone(),
                     });
@@ -519,6 +553,44 @@ impl Assembly<'_, '_> {
             task.symbols = state_symbols(world, &reached, &fact_of, &initial);
         }
         task
+    }
+}
+
+/// Ground atoms of changing predicates below a disjunction, implication or quantifier.
+fn mentioned(
+    world: &World<'_>,
+    condition: &Condition,
+    inside: bool,
+    bindings: &mut Vec<ObjectId>,
+    atoms: &mut Vec<(PredicateId, Box<[ObjectId]>)>,
+) {
+    match &condition.kind {
+        ConditionKind::And(parts) => {
+            for part in parts {
+                mentioned(world, part, inside, bindings, atoms);
+            }
+        }
+        ConditionKind::Or(parts) => {
+            for part in parts {
+                mentioned(world, part, true, bindings, atoms);
+            }
+        }
+        ConditionKind::Not(inner) => mentioned(world, inner, inside, bindings, atoms),
+        ConditionKind::Imply(left, right) => {
+            mentioned(world, left, true, bindings, atoms);
+            mentioned(world, right, true, bindings, atoms);
+        }
+        ConditionKind::Forall(variables, body) | ConditionKind::Exists(variables, body) => {
+            for_all_bindings(world, variables, bindings, &mut |bindings| {
+                mentioned(world, body, true, bindings, atoms);
+            });
+        }
+        ConditionKind::Atom(atom) => {
+            if inside && world.changing_predicate[atom.predicate.index()] {
+                atoms.push((atom.predicate, World::bind(&atom.arguments, bindings)));
+            }
+        }
+        ConditionKind::Equal(..) | ConditionKind::Compare(..) | ConditionKind::Module(_) => {}
     }
 }
 

@@ -170,10 +170,19 @@ fn renumber(task: &mut Task, relevance: &Relevance) {
     for fluent in written {
         plain[fluent.index()] = false;
     }
+    let mut also_read = vec![false; task.facts.len()];
+    for fact in task
+        .operators
+        .iter()
+        .flat_map(|o| o.also_reads.iter().flatten())
+    {
+        also_read[fact.index()] = true;
+    }
     let mut next = 0;
     let facts: Vec<Option<FactId>> = (0..task.facts.len())
         .map(|fact| {
-            let read = relevance.wanted_true[fact] || relevance.wanted_false[fact];
+            let read =
+                relevance.wanted_true[fact] || relevance.wanted_false[fact] || also_read[fact];
             (read || (added[fact] && deleted[fact])).then(|| {
                 next += 1;
                 FactId(next - 1)
@@ -243,6 +252,12 @@ impl Maps {
             self.conjunction(&mut operator.start_condition);
             self.conjunction(&mut operator.invariant);
             self.conjunction(&mut operator.end_condition);
+            for list in &mut operator.also_reads {
+                *list = list
+                    .iter()
+                    .filter_map(|fact| self.facts[fact.index()])
+                    .collect();
+            }
             if let Some(Duration::Bounds(lower, upper)) = &mut operator.duration {
                 self.expression(lower);
                 self.expression(upper);
