@@ -132,7 +132,8 @@ class Verdict:
     @property
     def report(self) -> list[str]: ...
     @property
-    def attachment(self) -> tuple[str, list[str], str] | None: ...
+    def attachment(self) -> tuple[str, list[str], str, str] | None:
+        """The attachment that failed: module, arguments, action, reason."""
 
 def read_domain(text: bytes, name: str) -> tuple[Domain | None, list[Diagnostic]]: ...
 def read_problem(

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from planner import _core
-from planner.diagnostics import AttachmentError, PlannerError
+from planner.diagnostics import AttachmentError
 
 
 @runtime_checkable
@@ -34,16 +34,18 @@ Attachments: TypeAlias = Mapping[str, Attachment]
 """Attachments by the name of their module; case does not matter."""
 
 
-def attachment_error(
-    failed: tuple[str, list[str], str], reason: str, cause: BaseException | None
-) -> PlannerError:
-    """The error for a failed call. Interrupts and exits raised by an attachment go through as
-    they are.
+FailedCall: TypeAlias = tuple[str, list[str], str, str]
+"""A failed call at the border: module, arguments, action, reason."""
+
+
+def attachment_error(failed: FailedCall, cause: BaseException | None) -> AttachmentError:
+    """The error for a failed call.
+
+    Interrupts and exits raised by an attachment go through as they are.
     """
     if cause is not None and not isinstance(cause, Exception):
         raise cause
-    module, arguments, action = failed
-    error = AttachmentError(module, arguments, action, reason)
+    error = AttachmentError(*failed)
     error.__cause__ = cause
     return error
 

@@ -61,7 +61,7 @@ def validate(
         parsed, tuples_of(steps), as_dict(attachments), tolerance_s, separation_s, report
     )
     if verdict.attachment is not None:
-        raise attachment_error(verdict.attachment, str(exception or verdict.message), exception)
+        raise attachment_error(verdict.attachment, exception)
     return Verdict(
         verdict.valid,
         verdict.makespan,

@@ -30,7 +30,7 @@ pub type Arguments = Vec<String>;
 
 /// An attachment that fails. It stops planning; it never becomes a wrong plan.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("attachment [{module} {}] of action {action}: {reason}", arguments.join(" "))]
+#[error("attachment [{}] of action {action}: {reason}", self.call())]
 pub struct AttachmentError {
     /// The module's name.
     pub module: String,
@@ -40,6 +40,17 @@ pub struct AttachmentError {
     pub action: String,
     /// What went wrong.
     pub reason: String,
+}
+
+impl AttachmentError {
+    /// The call without its brackets: `pathCost r1 a b`.
+    #[must_use]
+    pub fn call(&self) -> String {
+        let words: Vec<&str> = std::iter::once(self.module.as_str())
+            .chain(self.arguments.iter().map(String::as_str))
+            .collect();
+        words.join(" ")
+    }
 }
 
 /// Evaluates the modules of a domain.

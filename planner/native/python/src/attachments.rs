@@ -2,12 +2,25 @@
 
 use std::sync::{Arc, Mutex};
 
-use planner_core::attachment::{Arguments, Attachments, Purity, StateView};
+use planner_core::attachment::{Arguments, AttachmentError, Attachments, Purity, StateView};
 use planner_core::pddl::model::{self, ModuleId};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::state_view::{Symbols, lend};
+
+/// A failed call for Python: module, arguments, action, reason.
+pub type FailedCall = (String, Vec<String>, String, String);
+
+/// Takes an error apart.
+pub fn failed_call(error: &AttachmentError) -> FailedCall {
+    (
+        error.module.clone(),
+        error.arguments.clone(),
+        error.action.clone(),
+        error.reason.clone(),
+    )
+}
 
 /// What Python provides for one module.
 struct Provider {

@@ -4,7 +4,7 @@ use planner_core::validate::{self as core, Options, Reason};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::attachments::PythonAttachments;
+use crate::attachments::{FailedCall, PythonAttachments, failed_call};
 use crate::model::Problem;
 use crate::plan::{StepTuple, from_tuples};
 
@@ -21,8 +21,8 @@ pub struct Verdict {
     step: Option<usize>,
     facts: Vec<String>,
     report: Vec<String>,
-    /// The attachment that failed: module, arguments, action.
-    attachment: Option<(String, Vec<String>, String)>,
+    /// The attachment that failed.
+    attachment: Option<FailedCall>,
 }
 
 impl From<core::Verdict> for Verdict {
@@ -39,11 +39,7 @@ impl From<core::Verdict> for Verdict {
             step: failure.and_then(|one| one.step),
             facts: failure.map(|one| one.facts.clone()).unwrap_or_default(),
             attachment: failure.and_then(|one| match &one.reason {
-                Reason::Attachment(error) => Some((
-                    error.module.clone(),
-                    error.arguments.clone(),
-                    error.action.clone(),
-                )),
+                Reason::Attachment(error) => Some(failed_call(error)),
                 _ => None,
             }),
             report: verdict.report,

@@ -32,6 +32,7 @@ use crate::pddl::model::{Domain, Problem};
 use crate::plan::Plan;
 use run::Run;
 use scene::{Moment, Scene};
+use state::State;
 
 /// How strictly to validate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,35 +77,86 @@ pub fn validate(
     attachments: &dyn Attachments,
     options: &Options,
 ) -> Verdict {
-    let makespan = plan.makespan();
-    let mut report = Vec::new();
-    match execute(domain, problem, plan, attachments, options, &mut report) {
-        Ok(metric) => Verdict {
-            makespan,
+    Validator::new(domain, problem, attachments).validate(plan, options)
+}
+
+/// Validates plans of one problem; what does not depend on the plan is prepared once.
+pub struct Validator<'a> {
+    names: Names<'a>,
+    scene: Result<Scene<'a>, scene::Fault>,
+    initial: State,
+}
+
+impl<'a> Validator<'a> {
+    /// Prepares for a problem.
+    #[must_use]
+    pub fn new(domain: &'a Domain, problem: &'a Problem, attachments: &'a dyn Attachments) -> Self {
+        Self {
+            names: Names::new(domain, problem),
+            scene: Scene::new(domain, problem, attachments),
+            initial: State::initial(domain, problem),
+        }
+    }
+
+    /// Validates a plan.
+    #[must_use]
+    pub fn validate(&self, plan: &Plan, options: &Options) -> Verdict {
+        let mut report = Vec::new();
+        let outcome = self.execute(plan, options, &mut report);
+        let (metric, failure) = match outcome {
+            Ok(metric) => (metric, None),
+            Err(failure) => (None, Some(*failure)),
+        };
+        Verdict {
+            makespan: plan.makespan(),
             metric,
-            failure: None,
+            failure,
             report,
-        },
-        Err(failure) => Verdict {
-            makespan,
-            metric: None,
-            failure: Some(*failure),
-            report,
-        },
+        }
+    }
+
+    /// Executes a plan; gives the value of the metric.
+    fn execute(
+        &self,
+        plan: &Plan,
+        options: &Options,
+        report: &mut Vec<String>,
+    ) -> Result<Option<f64>, Box<Failure>> {
+        let outside_time = |fault: scene::Fault| Box::new(Failure::outside_time(fault.into()));
+        let scene = self
+            .scene
+            .as_ref()
+            .map_err(|fault| outside_time(fault.clone()))?;
+        let steps = resolve::resolve(&self.names, plan)?;
+        let occurrences = occurrences(scene.problem, &steps);
+        let mut run = Run::new(scene, &steps, self.initial.clone(), options);
+        let outcome = (|| {
+            run.begin()?;
+            for happening in &timeline::happenings(occurrences, options.tolerance_s) {
+                run.step(happening)?;
+            }
+            run.check_goal()
+        })();
+        report.append(&mut run.report);
+        outcome?;
+        let Some(metric) = &scene.problem.metric else {
+            return Ok(None);
+        };
+        let moment = Moment {
+            state: &run.state,
+            duration: None,
+            total_time: plan.makespan(),
+            action: "(:metric)",
+        };
+        scene
+            .value(&moment, &metric.expression, &[])
+            .map(Some)
+            .map_err(outside_time)
     }
 }
 
-fn execute(
-    domain: &Domain,
-    problem: &Problem,
-    plan: &Plan,
-    attachments: &dyn Attachments,
-    options: &Options,
-    report: &mut Vec<String>,
-) -> Result<Option<f64>, Box<Failure>> {
-    let outside_time = |fault: scene::Fault| Box::new(Failure::outside_time(fault.into()));
-    let scene = Scene::new(domain, problem, attachments).map_err(outside_time)?;
-    let steps = resolve::resolve(domain, problem, plan)?;
+/// Everything that occurs at some time, timed initial literals first.
+fn occurrences(problem: &Problem, steps: &[resolve::GroundStep<'_>]) -> Vec<(f64, Occurrence)> {
     let mut occurrences = Vec::with_capacity(2 * steps.len() + problem.timed.len());
     for (index, literal) in problem.timed.iter().enumerate() {
         occurrences.push((literal.time, Occurrence::Timed(index)));
@@ -115,27 +167,5 @@ fn execute(
             occurrences.push((step.end(), Occurrence::End(index)));
         }
     }
-    let mut run = Run::new(&scene, &steps, options);
-    let outcome = (|| {
-        run.begin()?;
-        for happening in &timeline::happenings(occurrences, options.tolerance_s) {
-            run.step(happening)?;
-        }
-        run.check_goal()
-    })();
-    report.append(&mut run.report);
-    outcome?;
-    let Some(metric) = &problem.metric else {
-        return Ok(None);
-    };
-    let moment = Moment {
-        state: &run.state,
-        duration: None,
-        total_time: plan.makespan(),
-        action: "(:metric)",
-    };
-    scene
-        .value(&moment, &metric.expression, &[])
-        .map(Some)
-        .map_err(outside_time)
+    occurrences
 }

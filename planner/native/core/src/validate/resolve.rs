@@ -135,11 +135,9 @@ impl<'a> Names<'a> {
 
 /// Resolves every step, or tells of the first that cannot be.
 pub(super) fn resolve<'a>(
-    domain: &'a Domain,
-    problem: &'a Problem,
+    names: &Names<'a>,
     plan: &Plan,
 ) -> Result<Vec<GroundStep<'a>>, Box<Failure>> {
-    let names = Names::new(domain, problem);
     plan.steps
         .iter()
         .enumerate()

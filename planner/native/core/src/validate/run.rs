@@ -37,13 +37,14 @@ impl<'s, 'a> Run<'s, 'a> {
     pub(super) fn new(
         scene: &'s Scene<'a>,
         steps: &'s [GroundStep<'a>],
+        initial: State,
         options: &super::Options,
     ) -> Self {
         Self {
             scene,
             steps,
             tolerance_s: options.tolerance_s,
-            state: State::initial(scene.domain, scene.problem),
+            state: initial,
             running: Vec::new(),
             claims: Claims::new(options.separation_s),
             history: History::default(),
