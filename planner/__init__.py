@@ -14,6 +14,7 @@ from planner.diagnostics import AttachmentError, Diagnostic, InternalError, Pddl
 from planner.outcome import OUTCOMES, Outcome, OutcomeRow
 from planner.plan import Plan, Step
 from planner.reading import InputError, read_domain, read_plan, read_problem
+from planner.solving import Limits, Result, Statistics, UnsupportedError, solve, solve_anytime
 from planner.validation import Verdict, validate
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Domain",
     "InputError",
     "InternalError",
+    "Limits",
     "Module",
     "Outcome",
     "OutcomeRow",
@@ -33,11 +35,16 @@ __all__ = [
     "Plan",
     "PlannerError",
     "Problem",
+    "Result",
     "State",
+    "Statistics",
     "Step",
+    "UnsupportedError",
     "Verdict",
     "read_domain",
     "read_plan",
     "read_problem",
+    "solve",
+    "solve_anytime",
     "validate",
 ]

@@ -135,6 +135,66 @@ class Verdict:
     def attachment(self) -> tuple[str, list[str], str, str] | None:
         """The attachment that failed: module, arguments, action, reason."""
 
+@final
+class Report:
+    @property
+    def outcome(self) -> str: ...
+    @property
+    def lower_bound(self) -> float: ...
+    @property
+    def expansions(self) -> int: ...
+    @property
+    def evaluations(self) -> int: ...
+    @property
+    def schedules(self) -> int: ...
+    @property
+    def operators(self) -> int: ...
+    @property
+    def facts(self) -> int: ...
+    @property
+    def grounding_s(self) -> float: ...
+
+@final
+class Event:
+    @property
+    def plan(self) -> tuple[list[StepTuple], float | None, float] | None:
+        """An improving plan: steps, value of the metric, seconds since the call."""
+    @property
+    def report(self) -> Report | None:
+        """The end of the search."""
+    @property
+    def attachment(self) -> tuple[str, list[str], str, str] | None:
+        """The attachment that failed: module, arguments, action, reason."""
+    @property
+    def exception(self) -> BaseException | None: ...
+    @property
+    def refused(self) -> str | None:
+        """Why the problem cannot be planned with."""
+    @property
+    def internal(self) -> str | None:
+        """A fault of the planner."""
+
+@final
+class Search:
+    """A search in a thread of its own."""
+
+    def __new__(
+        cls,
+        problem: Problem,
+        attachments: Mapping[str, object],
+        *,
+        timeout_s: float | None,
+        seed: int,
+        threads: int,
+        node_limit: int | None,
+        memory_limit: int | None,
+        first_plan_only: bool,
+        warm_start: Sequence[StepTuple] | None,
+    ) -> Search: ...
+    def next(self, timeout_s: float) -> Event | None:
+        """The next event; None if there was none for that long."""
+    def cancel(self) -> None: ...
+
 def read_domain(text: bytes, name: str) -> tuple[Domain | None, list[Diagnostic]]: ...
 def read_problem(
     domain: Domain, text: bytes, name: str

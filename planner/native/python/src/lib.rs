@@ -7,6 +7,7 @@ mod attachments;
 mod diagnostic;
 mod model;
 mod plan;
+mod search;
 mod state_view;
 mod validation;
 
@@ -22,6 +23,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Module>()?;
     module.add_class::<state_view::State>()?;
     module.add_class::<validation::Verdict>()?;
+    module.add_class::<search::Search>()?;
+    module.add_class::<search::Event>()?;
+    module.add_class::<search::Report>()?;
     module.add_function(wrap_pyfunction!(model::read_domain, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_problem, module)?)?;
     module.add_function(wrap_pyfunction!(plan::read_plan, module)?)?;

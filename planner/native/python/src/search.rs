@@ -1,0 +1,287 @@
+//! A search in a thread of its own: Python waits without the GIL, sees signals, and gets plans as they come.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use planner_core::outcome::Outcome;
+use planner_core::plan::Plan;
+use planner_core::pddl::model;
+use planner_core::solve::{SolveError, SolveOptions, SolveReport, solve};
+use planner_core::validate::{Options, Reason, Validator, Verdict};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::attachments::{FailedCall, PythonAttachments, failed_call};
+use crate::model::Problem;
+use crate::plan::{StepTuple, from_tuples, to_tuples};
+
+/// How often a waiting Python thread looks for signals.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Smallest time between interfering happenings that our own plans keep [s].
+const SEPARATION_S: f64 = 0.001;
+
+/// What bounds and steers a search; see `planner.solve`.
+#[derive(Clone)]
+struct Settings {
+    timeout: Option<Duration>,
+    seed: u64,
+    threads: usize,
+    node_limit: Option<u64>,
+    memory_limit: Option<usize>,
+    first_plan_only: bool,
+    warm_start: Option<Plan>,
+}
+
+/// Something that a search tells.
+#[pyclass(frozen, get_all, module = "planner._core")]
+pub struct Event {
+    /// An improving plan: steps, value of the metric, seconds since the call.
+    plan: Option<(Vec<StepTuple>, Option<f64>, f64)>,
+    /// The end of the search.
+    report: Option<Report>,
+    /// An attachment that failed, and its exception.
+    attachment: Option<FailedCall>,
+    exception: Option<Py<PyAny>>,
+    /// Why the problem cannot be planned with.
+    refused: Option<String>,
+    /// A fault of the planner.
+    internal: Option<String>,
+}
+
+/// The end of a search.
+#[pyclass(frozen, get_all, skip_from_py_object, module = "planner._core")]
+#[derive(Clone)]
+pub struct Report {
+    outcome: &'static str,
+    lower_bound: f64,
+    expansions: u64,
+    evaluations: u64,
+    schedules: u64,
+    operators: usize,
+    facts: usize,
+    grounding_s: f64,
+}
+
+enum Message {
+    Plan(Vec<StepTuple>, Option<f64>, f64),
+    End(Report),
+    Attachment(FailedCall),
+    Refused(String),
+    Internal(String),
+}
+
+/// A running search.
+#[pyclass(frozen, module = "planner._core")]
+pub struct Search {
+    messages: Mutex<Receiver<Message>>,
+    cancel: Arc<AtomicBool>,
+    attachments: Arc<PythonAttachments>,
+}
+
+#[pymethods]
+impl Search {
+    /// Starts searching.
+    #[new]
+    #[pyo3(signature = (problem, attachments, *, timeout_s, seed, threads, node_limit, memory_limit,
+        first_plan_only, warm_start))]
+    #[allow(clippy::too_many_arguments)] // keywords of one Python call
+    fn new(
+        problem: &Problem,
+        attachments: &Bound<'_, PyDict>,
+        timeout_s: Option<f64>,
+        seed: u64,
+        threads: usize,
+        node_limit: Option<u64>,
+        memory_limit: Option<usize>,
+        first_plan_only: bool,
+        warm_start: Option<Vec<StepTuple>>,
+    ) -> PyResult<Self> {
+        let domain = Arc::clone(&problem.domain.get().model);
+        let problem = Arc::clone(&problem.model);
+        let attachments = Arc::new(PythonAttachments::new(attachments, &domain, &problem)?);
+        let cancel = Arc::new(AtomicBool::new(false));
+        let settings = Settings {
+            timeout: timeout_s.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
+            seed,
+            threads,
+            node_limit,
+            memory_limit,
+            first_plan_only,
+            warm_start: warm_start.map(from_tuples),
+        };
+        let (sender, messages) = channel();
+        let search = Self {
+            messages: Mutex::new(messages),
+            cancel: Arc::clone(&cancel),
+            attachments: Arc::clone(&attachments),
+        };
+        std::thread::Builder::new()
+            .name("marsupial search".into())
+            .stack_size(16 << 20)
+            .spawn(move || {
+                let run = AssertUnwindSafe(|| {
+                    run(&domain, &problem, &attachments, &settings, &cancel, &sender);
+                });
+                if let Err(panic) = catch_unwind(run) {
+                    let _ = sender.send(Message::Internal(panic_text(panic.as_ref())));
+                }
+            })?;
+        Ok(search)
+    }
+
+    /// The next event; `None` if there was none for `timeout_s` or the search is over.
+    fn next(&self, py: Python<'_>, timeout_s: f64) -> PyResult<Option<Event>> {
+        let deadline = Instant::now() + Duration::from_secs_f64(timeout_s.clamp(0.0, 1e6));
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let received = py.detach(|| {
+                let messages = self
+                    .messages
+                    .lock()
+                    .unwrap_or_else(std::sync::PoisonError::into_inner);
+                messages.recv_timeout(left.min(SIGNAL_INTERVAL))
+            });
+            if let Err(interrupt) = py.check_signals() {
+                self.cancel();
+                return Err(interrupt);
+            }
+            match received {
+                Ok(message) => return Ok(Some(self.event(py, message))),
+                Err(RecvTimeoutError::Disconnected) => return Ok(None),
+                Err(RecvTimeoutError::Timeout) if left.is_zero() => return Ok(None),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+
+    /// Asks the search to stop; it does so within 50 ms.
+    fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+impl Search {
+    fn event(&self, py: Python<'_>, message: Message) -> Event {
+        let mut event = Event {
+            plan: None,
+            report: None,
+            attachment: None,
+            exception: None,
+            refused: None,
+            internal: None,
+        };
+        match message {
+            Message::Plan(steps, metric, wall_s) => event.plan = Some((steps, metric, wall_s)),
+            Message::End(report) => event.report = Some(report),
+            Message::Refused(reason) => event.refused = Some(reason),
+            Message::Internal(reason) => event.internal = Some(reason),
+            Message::Attachment(call) => {
+                event.attachment = Some(call);
+                event.exception = self
+                    .attachments
+                    .exception()
+                    .map(|error| error.into_value(py).into_any());
+            }
+        }
+        event
+    }
+}
+
+/// Searches, validates every plan before it leaves, and tells how it ended.
+fn run(
+    domain: &model::Domain,
+    problem: &model::Problem,
+    attachments: &PythonAttachments,
+    settings: &Settings,
+    cancel: &AtomicBool,
+    sender: &Sender<Message>,
+) {
+    let begun = Instant::now();
+    let defaults = SolveOptions::default();
+    let options = SolveOptions {
+        timeout: settings.timeout,
+        seed: settings.seed,
+        threads: settings.threads,
+        node_limit: settings.node_limit,
+        memory_limit: settings.memory_limit.unwrap_or(defaults.memory_limit),
+        cancel: Some(cancel),
+        first_plan_only: settings.first_plan_only,
+        warm_start: settings.warm_start.as_ref(),
+    };
+    let validator = Validator::new(domain, problem, attachments);
+    let mut rejected = None;
+    let outcome = solve(domain, problem, attachments, &options, &mut |plan| {
+        if rejected.is_some() {
+            return;
+        }
+        let verdict = validator.validate(plan, &Options::strict(SEPARATION_S));
+        if verdict.valid() {
+            let wall_s = begun.elapsed().as_secs_f64();
+            let _ = sender.send(Message::Plan(to_tuples(plan), verdict.metric, wall_s));
+        } else {
+            cancel.store(true, Ordering::Relaxed);
+            rejected = Some(rejection(plan, verdict));
+        }
+    });
+    let _ = sender.send(match (rejected, outcome) {
+        (Some(message), _) => message,
+        (None, Ok(report)) => Message::End(Report::from(&report)),
+        (None, Err(SolveError::Attachment(error))) => Message::Attachment(failed_call(&error)),
+        (None, Err(error)) => Message::Refused(error.to_string()),
+    });
+}
+
+/// A plan of ours that the validator rejects never leaves; an attachment that failed meanwhile is no fault of ours.
+fn rejection(plan: &Plan, verdict: Verdict) -> Message {
+    match verdict.failure {
+        Some(failure) => match &failure.reason {
+            Reason::Attachment(error) => Message::Attachment(failed_call(error)),
+            _ => Message::Internal(format!(
+                "the validator rejects a plan of {} steps: {failure}",
+                plan.steps.len()
+            )),
+        },
+        None => Message::Internal("a valid plan was rejected".into()),
+    }
+}
+
+impl From<&SolveReport> for Report {
+    fn from(report: &SolveReport) -> Self {
+        Self {
+            outcome: match report.outcome {
+                Outcome::SolvedOptimally => "solved_optimally",
+                Outcome::Solved => "solved",
+                Outcome::ProvenUnsolvable => "proven_unsolvable",
+                Outcome::Exhausted => "exhausted",
+                Outcome::TimedOut => "timed_out",
+                Outcome::OutOfMemory => "out_of_memory",
+                Outcome::Cancelled => "cancelled",
+            },
+            lower_bound: report.lower_bound,
+            expansions: report.expansions,
+            evaluations: report.evaluations,
+            schedules: report.schedules,
+            operators: report.operators,
+            facts: report.facts,
+            grounding_s: report.grounding_s,
+        }
+    }
+}
+
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    panic
+        .downcast_ref::<&str>()
+        .map(ToString::to_string)
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "the search panicked".into())
+}

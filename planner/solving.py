@@ -1,0 +1,235 @@
+"""Solves problems: the whole answer at once, or improving plans as they are found."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from planner import _core
+from planner.attachments import Attachments, as_dict, attachment_error
+from planner.diagnostics import InternalError, PlannerError
+from planner.outcome import Outcome
+from planner.plan import Plan, steps_of, tuples_of
+from planner.reading import DomainLike, InputError, ProblemLike, read_problem
+
+POLL_S = 0.1
+"""How long to wait for the next plan before `on_progress` is called [s]."""
+
+
+class UnsupportedError(PlannerError):
+    """A problem that is understood but cannot be planned with."""
+
+    outcome = Outcome.UNSUPPORTED
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What a search did."""
+
+    expansions: int = 0
+    """States whose successors were generated."""
+    evaluations: int = 0
+    """Heuristic evaluations."""
+    schedules: int = 0
+    """Plans built by the list-schedule search."""
+    operators: int = 0
+    """Ground operators."""
+    facts: int = 0
+    """Ground facts that states store."""
+    grounding_s: float = 0.0
+    """Time for grounding [s]."""
+    wall_s: float = 0.0
+    """Time since the call [s]."""
+    cpu_s: float = 0.0
+    """CPU time of this process, counted from its start [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How a search ended and what it found."""
+
+    outcome: Outcome
+    plans: tuple[Plan, ...] = ()
+    """All improving plans, the best last."""
+    lower_bound: float = 0.0
+    """No plan is better than this (makespan [s], or metric value); 0 if nothing is known."""
+    statistics: Statistics = Statistics()
+
+    @property
+    def plan(self) -> Plan | None:
+        """The best plan, or None."""
+        return self.plans[-1] if self.plans else None
+
+    @property
+    def gap(self) -> float | None:
+        """How much better than the best plan an optimal one could be, as a part of it."""
+        if self.plan is None or self.plan.makespan <= 0:
+            return None
+        return max(0.0, 1.0 - self.lower_bound / self.plan.makespan)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What bounds and steers a search."""
+
+    timeout_s: float | None = 10.0
+    """Wall-clock time [s], grounding included; None is until done."""
+    seed: int = 0
+    """Of all random choices."""
+    threads: int = 1
+    """With one thread, a seed and a node limit the same input gives the same plans."""
+    node_limit: int | None = None
+    """Expansions and plan evaluations after which to stop."""
+    memory_limit_mb: int | None = None
+    """Memory that searching may hold [MiB]; None is 2048."""
+    first_plan_only: bool = False
+    """Whether to stop at the first plan."""
+
+    def __post_init__(self) -> None:
+        for name, value, least in (
+            ("timeout_s", self.timeout_s, 0),
+            ("seed", self.seed, 0),
+            ("threads", self.threads, 1),
+            ("node_limit", self.node_limit, 1),
+            ("memory_limit_mb", self.memory_limit_mb, 1),
+        ):
+            if value is not None and not value >= least:
+                raise InputError(f"{name} is {value}, but must be at least {least}")
+
+
+def solve(
+    domain: DomainLike,
+    problem: ProblemLike,
+    *,
+    attachments: Attachments | None = None,
+    timeout_s: float | None = 10.0,
+    seed: int = 0,
+    threads: int = 1,
+    node_limit: int | None = None,
+    memory_limit_mb: int | None = None,
+    first_plan_only: bool = False,
+    warm_start: Plan | None = None,
+    on_plan: Callable[[Plan], None] | None = None,
+) -> Result:
+    """Searches until the limits or until the best plan is proved optimal.
+
+    `domain` and `problem` are paths, texts or what `read_domain` / `read_problem` returned;
+    `attachments` maps names of modules to callables (see `planner.attachments`). `warm_start` is
+    the plan in execution, its times counted from now: what is left of it may be the first plan.
+    `on_plan` is called with every improving plan. Every plan has passed the validator.
+
+    Raises `PddlError` for texts that cannot be read, `AttachmentError` for an attachment that is
+    missing or fails, `UnsupportedError` for a problem that is understood but cannot be planned
+    with, `InternalError` if the planner contradicts itself. Ctrl-C raises KeyboardInterrupt.
+    """
+    limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
+    plans = _anytime(domain, problem, attachments, limits, warm_start, None)
+    while True:
+        try:
+            plan = next(plans)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
+        if on_plan is not None:
+            on_plan(plan)
+
+
+def solve_anytime(
+    domain: DomainLike,
+    problem: ProblemLike,
+    *,
+    attachments: Attachments | None = None,
+    timeout_s: float | None = 10.0,
+    seed: int = 0,
+    threads: int = 1,
+    node_limit: int | None = None,
+    memory_limit_mb: int | None = None,
+    first_plan_only: bool = False,
+    warm_start: Plan | None = None,
+    on_wait: Callable[[], Any] | None = None,
+) -> Iterator[Plan]:
+    """Improving plans as they are found; the value of StopIteration is the `Result`.
+
+    Takes and raises what `solve` does. The search goes on while the caller works with a plan and
+    stops when the iterator is closed or dropped. `on_wait` is called ten times a second while
+    there is no plan; if it returns True, the search stops.
+    """
+    limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
+    return _anytime(domain, problem, attachments, limits, warm_start, on_wait)
+
+
+def _anytime(
+    domain: DomainLike,
+    problem: ProblemLike,
+    attachments: Attachments | None,
+    limits: Limits,
+    warm_start: Plan | None,
+    on_wait: Callable[[], Any] | None,
+) -> Iterator[Plan]:
+    begun = time.monotonic()
+    parsed = read_problem(domain, problem)
+    search = _core.Search(
+        parsed,
+        as_dict(attachments),
+        timeout_s=limits.timeout_s,
+        seed=limits.seed,
+        threads=limits.threads,
+        node_limit=limits.node_limit,
+        memory_limit=None if limits.memory_limit_mb is None else limits.memory_limit_mb << 20,
+        first_plan_only=limits.first_plan_only,
+        warm_start=None if warm_start is None else tuples_of(warm_start),
+    )
+    plans: list[Plan] = []
+    try:
+        while True:
+            event = search.next(POLL_S)
+            if event is None:
+                if on_wait is not None and on_wait():
+                    search.cancel()
+            elif event.plan is not None:
+                steps, metric, wall_s = event.plan
+                plan = Plan(steps_of(steps), parsed.domain.name, parsed.name, metric)
+                plan = replace(plan, cpu_s=time.process_time(), wall_s=wall_s)
+                plans.append(plan)
+                yield plan
+            elif event.report is not None:
+                return _result(event.report, tuple(plans), time.monotonic() - begun, limits)
+            else:
+                raise _fault(event)
+    finally:
+        search.cancel()
+
+
+def _fault(event: _core.Event) -> PlannerError:
+    """The exception for a search that failed."""
+    if event.attachment is not None:
+        return attachment_error(event.attachment, event.exception)
+    if event.refused is not None:
+        return UnsupportedError(event.refused)
+    return InternalError(f"{event.internal}; please report it with the domain and problem")
+
+
+def _result(
+    report: _core.Report, plans: tuple[Plan, ...], wall_s: float, limits: Limits
+) -> Result:
+    """The result, with the limit that ended the search in its outcome."""
+    outcome = Outcome(report.outcome)
+    if plans:
+        timed_out = limits.timeout_s is not None and wall_s >= limits.timeout_s
+        outcome = {
+            Outcome.TIMED_OUT: Outcome.SOLVED_TIMED_OUT,
+            Outcome.OUT_OF_MEMORY: Outcome.SOLVED_OUT_OF_MEMORY,
+            Outcome.CANCELLED: Outcome.SOLVED_CANCELLED,
+            Outcome.SOLVED: Outcome.SOLVED_TIMED_OUT if timed_out else Outcome.SOLVED,
+        }.get(outcome, outcome)
+    statistics = Statistics(
+        report.expansions,
+        report.evaluations,
+        report.schedules,
+        report.operators,
+        report.facts,
+        report.grounding_s,
+        wall_s,
+        time.process_time(),
+    )
+    return Result(outcome, plans, report.lower_bound, statistics)
