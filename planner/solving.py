@@ -209,9 +209,7 @@ def _fault(event: _core.Event) -> PlannerError:
     return InternalError(f"{event.internal}; please report it with the domain and problem")
 
 
-def _result(
-    report: _core.Report, plans: tuple[Plan, ...], wall_s: float, limits: Limits
-) -> Result:
+def _result(report: _core.Report, plans: tuple[Plan, ...], wall_s: float, limits: Limits) -> Result:
     """The result, with the limit that ended the search in its outcome."""
     outcome = Outcome(report.outcome)
     if plans:

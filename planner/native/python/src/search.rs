@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use planner_core::outcome::Outcome;
-use planner_core::plan::Plan;
 use planner_core::pddl::model;
+use planner_core::plan::Plan;
 use planner_core::solve::{SolveError, SolveOptions, SolveReport, solve};
 use planner_core::validate::{Options, Reason, Validator, Verdict};
 use pyo3::prelude::*;
@@ -53,7 +53,7 @@ pub struct Event {
 }
 
 /// The end of a search.
-#[pyclass(frozen, get_all, skip_from_py_object, module = "planner._core")]
+#[pyclass(frozen, get_all, module = "planner._core")]
 #[derive(Clone)]
 pub struct Report {
     outcome: &'static str,
