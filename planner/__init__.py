@@ -1,11 +1,20 @@
-"""Temporal planning with semantic attachments: reads PDDL 2.1 with PDDL/M modules, plans,
-validates.
+"""Temporal planning with semantic attachments: reads, solves and validates PDDL 2.1 with PDDL/M.
 
-Example: >>> import planner >>> domain = planner.read_domain('''(define (domain lamp) ...
-(:requirements :durative-actions) (:predicates (lit)) ...   (:durative-action switch :parameters
-() :duration (= ?duration 2) ...    :condition () :effect (at end (lit))))''') >>> problem =
-planner.read_problem(domain, "(define (problem p) (:domain lamp) (:init) (:goal (lit)))") >>>
-planner.validate(domain, problem, "0: (switch) [2]").makespan 2.0
+>>> import planner
+>>> domain = planner.read_domain('''
+...     (define (domain lamp)
+...       (:requirements :durative-actions)
+...       (:predicates (lit))
+...       (:durative-action switch :parameters () :duration (= ?duration 2)
+...        :condition () :effect (at end (lit))))''')
+>>> problem = planner.read_problem(
+...     domain, "(define (problem one) (:domain lamp) (:init) (:goal (lit)))"
+... )
+>>> result = planner.solve(domain, problem)
+>>> result.outcome.value, result.plan.makespan
+('solved_optimally', 2.0)
+>>> planner.validate(domain, problem, "0: (switch) [3]").message
+'happening 1, time 0: (switch) (step 1): its duration is 3 but must be = 2'
 """
 
 from planner._core import Domain, Module, Problem, State

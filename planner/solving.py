@@ -1,11 +1,12 @@
 """Solves problems: the whole answer at once, or improving plans as they are found."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from typing import Any
 
 from planner import _core
+from planner._core import Problem
 from planner.attachments import Attachments, as_dict, attachment_error
 from planner.diagnostics import InternalError, PlannerError
 from planner.outcome import Outcome
@@ -123,7 +124,7 @@ def solve(
     with, `InternalError` if the planner contradicts itself. Ctrl-C raises KeyboardInterrupt.
     """
     limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
-    plans = _anytime(domain, problem, attachments, limits, warm_start, None)
+    plans = _anytime(read_problem(domain, problem), attachments, limits, warm_start, None)
     while True:
         try:
             plan = next(plans)
@@ -147,7 +148,7 @@ def solve_anytime(
     first_plan_only: bool = False,
     warm_start: Plan | None = None,
     on_wait: Callable[[], Any] | None = None,
-) -> Iterator[Plan]:
+) -> Generator[Plan, None, Result]:
     """Improving plans as they are found; the value of StopIteration is the `Result`.
 
     Takes and raises what `solve` does. The search goes on while the caller works with a plan and
@@ -155,19 +156,17 @@ def solve_anytime(
     there is no plan; if it returns True, the search stops.
     """
     limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
-    return _anytime(domain, problem, attachments, limits, warm_start, on_wait)
+    return _anytime(read_problem(domain, problem), attachments, limits, warm_start, on_wait)
 
 
 def _anytime(
-    domain: DomainLike,
-    problem: ProblemLike,
+    parsed: Problem,
     attachments: Attachments | None,
     limits: Limits,
     warm_start: Plan | None,
     on_wait: Callable[[], Any] | None,
-) -> Iterator[Plan]:
+) -> Generator[Plan, None, Result]:
     begun = time.monotonic()
-    parsed = read_problem(domain, problem)
     search = _core.Search(
         parsed,
         as_dict(attachments),
