@@ -14,6 +14,7 @@ pub mod epoch;
 pub mod format;
 pub mod grounding;
 pub mod heuristic;
+pub mod invariants;
 pub mod outcome;
 pub mod pddl;
 pub mod plan;

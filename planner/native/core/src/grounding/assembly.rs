@@ -209,6 +209,8 @@ impl Assembly<'_, '_> {
             name.push_str(&self.world.problem.objects[object.index()].name.text);
         }
         self.task.facts.push(name);
+        let atom_of_model = self.reached.symbols.atoms[atom.index()].clone();
+        self.task.atoms.push(atom_of_model);
         self.fact_of.insert(atom, fact);
         fact
     }
@@ -468,6 +470,9 @@ impl Assembly<'_, '_> {
     fn disjunctive_goal(&mut self, goals: Vec<Conjunction>) {
         let head = FactId(self.task.facts.len() as u32);
         self.task.facts.push("(goal)".into());
+        self.task
+            .atoms
+            .push((PredicateId(u32::MAX), Box::default()));
         let stratum = 1 + self
             .task
             .axioms

@@ -25,6 +25,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use crate::attachment::{AttachmentError, Attachments, Purity};
+use crate::invariants;
 use crate::pddl::model::{Domain, ModuleId, ModuleKind, Problem};
 use crate::syntax::span::Span;
 use crate::task::Task;
@@ -148,5 +149,7 @@ pub fn ground(
     if !stateful {
         relevance::prune(&mut task);
     }
+    task.mutex_groups = invariants::synthesise(&task);
+    invariants::prune_mutex_conditions(&mut task);
     Ok(task)
 }

@@ -215,6 +215,11 @@ impl Maps {
             self.facts[index - 1].is_some()
         });
         index = 0;
+        task.atoms.retain(|_| {
+            index += 1;
+            self.facts[index - 1].is_some()
+        });
+        index = 0;
         task.fluents.retain(|_| {
             index += 1;
             self.fluents[index - 1].is_some()

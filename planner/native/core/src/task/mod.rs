@@ -50,6 +50,8 @@ pub struct Task {
     pub module_names: Vec<String>,
     /// Names of the facts, `at e1 t3`.
     pub facts: Vec<String>,
+    /// The model's atom behind each fact; the predicate of a disjunctive goal is `u32::MAX`.
+    pub atoms: Vec<(PredicateId, Box<[ObjectId]>)>,
     /// Names of the numeric fluents.
     pub fluents: Vec<String>,
     /// Facts true at time 0, sorted.
