@@ -51,8 +51,11 @@ def installed() -> Mapping[str, Attachment]:
 
 def _entry_points() -> set[EntryPoint]:
     # The package's own attachments are there even when it runs from a source tree.
-    own = EntryPoint("grid", "semantic_attachments.grid:ATTACHMENTS", GROUP)
-    return {own, *entry_points(group=GROUP)}
+    own = {
+        EntryPoint(name, f"semantic_attachments.{name}:ATTACHMENTS", GROUP)
+        for name in ("grid", "motion")
+    }
+    return own | set(entry_points(group=GROUP))
 
 
 def _load(point: EntryPoint) -> tuple[Attachment, ...]:

@@ -6,6 +6,10 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any, Self
 
+KINEMATICS = ("disc", "se2", "dubins", "reeds-shepp")
+"""Disc: any direction, heading does not matter; se2: any direction, turning meanwhile; dubins: a
+car that drives forward only; reeds-shepp: one that reverses, too."""
+
 
 @dataclass(frozen=True)
 class RobotModel:
@@ -35,12 +39,31 @@ class RobotModel:
     """Time a rover of this type takes to leave its carrier [s]."""
     clear_speed_factor: float = 1.0
     """How fast it clears: a blockade takes its clear duration divided by this factor."""
+    kinematics: str = "disc"
+    """How it moves: one of `KINEMATICS`."""
+    footprint_m: tuple[tuple[float, float], ...] = ()
+    """Corners of its outline around its reference point, x ahead [m]; a disc if there are none."""
+    turning_radius_m: float = 1.0
+    """Least turning radius of cars [m]."""
+    turn_speed_rad_s: float = 1.0
+    """Speed of turning on the spot [rad/s]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "enters", tuple(self.enters))
+        corners = tuple((float(x), float(y)) for x, y in self.footprint_m)
+        object.__setattr__(self, "footprint_m", corners)
+        if self.kinematics not in KINEMATICS:
+            raise ValueError(
+                f"robot type {self.type}: kinematics is {self.kinematics!r}; "
+                f"it is one of {', '.join(KINEMATICS)}"
+            )
         speeds = dict(self.terrain_speed_m_s)
         object.__setattr__(self, "terrain_speed_m_s", MappingProxyType(speeds))
         named = {"speed_m_s": self.speed_m_s, "clear_speed_factor": self.clear_speed_factor}
+        named |= {
+            "turning_radius_m": self.turning_radius_m,
+            "turn_speed_rad_s": self.turn_speed_rad_s,
+        }
         named |= {f"terrain_speed_m_s of {name}": speed for name, speed in speeds.items()}
         for name, value in named.items():
             if not (isfinite(value) and value > 0):

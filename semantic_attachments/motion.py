@@ -1,0 +1,172 @@
+"""Attachment `motionCost`: durations by motion planning with OMPL for robots that are no discs.
+
+```
+(:modules (motionCost ?r - robot ?s - location ?g - location cost motionCost@libmotion.so))
+```
+
+As for `pathCost`, every known blockade is a wall save those at both ends of the way (Wurm, section
+3.5.1). A robot starts and arrives with the heading that suits it best. Motions are found by
+sampling: they exist, but quicker ones may, too.
+"""
+
+from collections.abc import Sequence
+from math import hypot
+from threading import RLock
+from time import monotonic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semantic_attachments.contract import Attachment, EvaluationError, Memory, Parameter, Quality
+from semantic_attachments.motion_worker import MotionWorker, Query
+from semantic_attachments.roadmap import NO_MOTION, Motion, MotionParameters
+from semantic_attachments.robot_model import RobotModel
+from semantic_attachments.world import Blockade, Location, World
+
+Call = tuple[str, ...]
+Key = tuple[RobotModel, Location, Location]
+
+_START_UP_S = 30.0
+"""Time a worker may take before it plans: to start, and to build a roadmap [s]."""
+
+
+class MotionWorkers:
+    """The worker processes of a mission, one a robot model."""
+
+    def __init__(self, parameters: MotionParameters) -> None:
+        self.parameters = parameters
+        self._workers: dict[RobotModel, MotionWorker] = {}
+
+    def of(self, model: RobotModel) -> MotionWorker:
+        """The model's worker; a new one if it ended."""
+        worker = self._workers.get(model)
+        if worker is None or not worker.alive:
+            worker = self._workers[model] = MotionWorker(model, self.parameters)
+        return worker
+
+    def close(self) -> None:
+        """Ends all processes; they also end with the object."""
+        for worker in self._workers.values():
+            worker.close()
+        self._workers.clear()
+
+
+class MotionCosts:
+    """Evaluator of `motionCost(robot, from, to)` in seconds."""
+
+    def __init__(self, world: World, workers: MotionWorkers) -> None:
+        self.world = world
+        self._workers = workers
+        self._motions: dict[Key, Motion] = {}
+        self._lock = RLock()
+
+    def __call__(self, *arguments: str) -> float:
+        """Duration [s] of (robot, from, to); infinite if no motion was found."""
+        return self.many([arguments])[0]
+
+    def many(self, calls: Sequence[Call]) -> list[float]:
+        """Durations [s] of many (robot, from, to), in their order.
+
+        Raises:
+            EvaluationError: if the world has no such robot or location, or a worker fails.
+        """
+        with self._lock:
+            keys = [self._resolve(call) for call in calls]
+            self._plan([key for key in dict.fromkeys(keys) if key not in self._motions])
+            return [self._motions[key].duration_s for key in keys]
+
+    def lower_bounds(self, calls: Sequence[Call]) -> list[float]:
+        """What no motion can be quicker than: the straight line, at once and without planning
+        [s]."""
+        bounds = []
+        for model, start, goal in map(self._resolve, calls):
+            (x0, y0), (x1, y1) = start.position_m, goal.position_m
+            # A place too near to an obstacle is left and reached from beside it.
+            slack_m = 2 * self._beside_m(model)
+            bounds.append(max(hypot(x1 - x0, y1 - y0) - slack_m, 0.0) / model.speed_m_s)
+        return bounds
+
+    def path(self, robot: str, start: str, goal: str) -> NDArray[np.float64]:
+        """(n, 3) poses x [m], y [m], heading [rad] from one location to another, at most half a
+        cell apart."""
+        self.many([(robot, start, goal)])
+        return self._motions[self._resolve((robot, start, goal))].poses
+
+    def _beside_m(self, model: RobotModel) -> float:
+        outer_m = max((hypot(x, y) for x, y in model.footprint_m), default=model.radius_m)
+        return 1.5 * outer_m + 4 * self.world.grid.resolution_m
+
+    def _resolve(self, call: Call) -> Key:
+        if len(call) != 3:
+            raise EvaluationError(f"motionCost takes a robot and two locations, not {call}")
+        robot, start, goal = call
+        if robot not in self.world.robots:
+            raise EvaluationError(f"the world has no robot {robot!r}")
+        for name in (start, goal):
+            if name not in self.world.locations:
+                raise EvaluationError(f"the world has no location {name!r}")
+        locations = self.world.locations
+        return self.world.robots[robot], locations[start], locations[goal]
+
+    def _plan(self, keys: Sequence[Key]) -> None:
+        grid = self.world.grid
+        questions: dict[
+            RobotModel, dict[tuple[Location, tuple[Blockade, ...]], list[Location]]
+        ] = {}
+        for key in keys:
+            model, start, goal = key
+            ends = (start.position_m, goal.position_m)
+            if start == goal:
+                self._motions[key] = Motion(0.0, np.array([[*start.position_m, 0.0]]))
+            elif any(grid.cell_at(position_m) is None for position_m in ends):
+                self._motions[key] = NO_MOTION
+            else:
+                by_start = questions.setdefault(model, {})
+                by_start.setdefault((start, self._closed(start, goal)), []).append(goal)
+        for model, by_start in questions.items():
+            queries = [
+                Query(start.position_m, tuple(goal.position_m for goal in goals), closed)
+                for (start, closed), goals in by_start.items()
+            ]
+            self._workers.of(model).ask(grid, queries)
+        for model, by_start in questions.items():
+            pairs = sum(len(goals) for goals in by_start.values())
+            budget_s = _START_UP_S + pairs * (self._workers.parameters.budget_s + 1.0)
+            answers = self._workers.of(model).answer(monotonic() + budget_s)
+            for (start, _), goals, motions in zip(
+                by_start, by_start.values(), answers, strict=True
+            ):
+                for goal, motion in zip(goals, motions, strict=True):
+                    self._motions[model, start, goal] = motion
+
+    def _closed(self, start: Location, goal: Location) -> tuple[Blockade, ...]:
+        opened = {start.blockade, goal.blockade}
+        names = sorted(self.world.blockades)
+        return tuple(self.world.blockades[name] for name in names if name not in opened)
+
+
+def motion_costs(
+    world: World, memory: Memory, parameters: MotionParameters | None = None
+) -> MotionCosts:
+    """The motion costs of a world; worker processes and their roadmaps live on in the memory."""
+    parameters = parameters or MotionParameters()
+    workers = memory.get("motion", MotionWorkers)
+    if workers is None or workers.parameters != parameters:
+        workers = MotionWorkers(parameters)
+        memory.keep("motion", workers)
+    return MotionCosts(world, workers)
+
+
+ATTACHMENTS = (
+    Attachment(
+        name="motionCost",
+        parameters=(
+            Parameter("robot", "robot"),
+            Parameter("from", "location"),
+            Parameter("to", "location"),
+        ),
+        bind=motion_costs,
+        quality=Quality.APPROXIMATE,
+        thread_safe=True,
+    ),
+)
