@@ -9,7 +9,7 @@
 | `(capacity r)` | rovers it can carry |
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -26,8 +26,8 @@ class ProblemView(Protocol):
     """What a world is built from of a problem."""
 
     @property
-    def objects(self) -> Mapping[str, str]:
-        """Type of each object."""
+    def objects(self) -> Mapping[str, Sequence[str]]:
+        """Types of each object; several mean `either`."""
 
     @property
     def fluents(self) -> Fluents:
@@ -51,7 +51,7 @@ def world_of_problem(
     """
     fluents = problem.fluents
     locations, blockades, robots = {}, {}, {}
-    for name, type_name in problem.objects.items():
+    for name, (type_name, *_) in problem.objects.items():
         if any((fluent, name) in fluents for fluent in _SEGMENT):
             ends = [_value(fluents, fluent, name) for fluent in _SEGMENT]
             blockades[name] = Blockade(

@@ -13,12 +13,12 @@ GRID = GridMap(np.zeros((10, 10), np.int8), 1.0)
 
 @dataclass
 class View:
-    objects: dict[str, str] = field(
+    objects: dict[str, list[str]] = field(
         default_factory=lambda: {
-            "clearer_1": "clearer",
-            "target_1": "mission_target",
-            "rubble": "blockade",
-            "hope": "feeling",
+            "clearer_1": ["clearer"],
+            "target_1": ["mission_target"],
+            "rubble": ["blockade"],
+            "hope": ["feeling"],
         }
     )
     fluents: dict[tuple[str, ...], float] = field(
