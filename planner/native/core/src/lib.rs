@@ -9,6 +9,7 @@
 //!               └────────────────────────────────────► validate  (shares no code with the search)
 //! ```
 
+pub mod analysis;
 pub mod attachment;
 pub mod epoch;
 pub mod format;

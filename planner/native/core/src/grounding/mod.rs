@@ -16,10 +16,13 @@ mod formula;
 mod join;
 mod reachability;
 mod relation;
+mod relaxation;
 mod relevance;
 mod schema;
 mod stratification;
 mod world;
+
+pub use relaxation::Relaxation;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

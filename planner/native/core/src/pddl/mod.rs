@@ -15,4 +15,25 @@
 pub mod model;
 mod reader;
 
+pub(crate) use reader::supported_flags;
 pub use reader::{read_domain, read_domain_tree, read_problem, read_problem_tree};
+
+/// ` ?r - robot ?a - (either b c)`: parameters as they are written, a blank before each.
+#[must_use]
+pub fn parameter_list(domain: &model::Domain, parameters: &[model::Parameter]) -> String {
+    parameters
+        .iter()
+        .map(|parameter| {
+            let types: Vec<&str> = parameter
+                .types
+                .iter()
+                .map(|kind| domain.types[kind.index()].name.text.as_str())
+                .collect();
+            match types.as_slice() {
+                ["object"] => format!(" {}", parameter.name.text),
+                [one] => format!(" {} - {one}", parameter.name.text),
+                several => format!(" {} - (either {})", parameter.name.text, several.join(" ")),
+            }
+        })
+        .collect()
+}

@@ -23,6 +23,8 @@ mod time;
 mod typed_list;
 mod types;
 
+pub(crate) use requirements::supported_flags;
+
 use crate::pddl::model::{Domain, Problem};
 use crate::syntax::diagnostic::Diagnostic;
 use crate::syntax::source::SourceFile;
