@@ -9,7 +9,7 @@ from fastapi import FastAPI
 from service import json_body, problem_details
 from service.coordination.coordinator import LoopParameters
 from service.coordination.registry import Missions
-from service.coordination.strategies import STRATEGIES
+from service.coordination.strategies import all_strategies
 from service.jobs.threads import PlanningThreads
 from service.routes import health, mission_changes, mission_events, missions
 from service.settings import Settings
@@ -27,7 +27,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         planners = PlanningThreads(settings.planning_workers)
         app.state.missions = Missions(
             store,
-            STRATEGIES,
+            all_strategies(),
             planners,
             LoopParameters(debounce_s=settings.debounce_s, idle_replan_s=settings.idle_replan_s),
             max_missions=settings.max_missions,

@@ -25,6 +25,7 @@ from service.coordination.events import (
     RobotLost,
     TerminalStatus,
 )
+from service.coordination.meeting_points import meeting_points
 from service.coordination.mission import Mission, rebuilt
 from service.coordination.ports import EventLog, Planners, StoreError
 from service.coordination.situation import situation
@@ -75,6 +76,7 @@ class Coordinator:
         self.mission = mission
         self.grid = grid
         self._models = models
+        self._meeting_points = meeting_points(grid, models)
         self._strategy = strategy
         self._log = log
         self._planners = planners
@@ -251,7 +253,9 @@ class Coordinator:
 
     async def _replan_once(self, trigger: str) -> None:
         async with self._locked():
-            snapshot = situation(self.mission, self.grid, self._models, trigger)
+            snapshot = situation(
+                self.mission, self.grid, self._models, self._meeting_points, trigger
+            )
         self._looked_at_s = snapshot.state.time_s
         await self._decide(snapshot)
 

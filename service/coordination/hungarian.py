@@ -5,7 +5,7 @@ leaves open: an explorer whose every target is sealed drives to the blockade whe
 to its nearest target would be barred, and waits there; a clearer without a blockade waits.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 
@@ -14,9 +14,23 @@ from domains.mission_state import Activity
 from semantic_attachments.contract import Memory
 from service.coordination.assignment import hungarian
 from service.coordination.dispatch import comes_within
-from service.coordination.strategy import NoPlanError, Proposal, Situation
+from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.coordination.travel import Travel
 from service.messages.plan import PlanStep
+
+
+class Hungarian:
+    """The baseline of whatever domain a mission is in."""
+
+    def __init__(self, by_domain: Mapping[str, Strategy]) -> None:
+        self._by_domain = by_domain
+
+    def propose(self, situation: Situation, memory: Memory) -> Proposal:
+        """The proposal of the domain's baseline."""
+        baseline = self._by_domain.get(situation.domain)
+        if baseline is None:
+            raise NoPlanError(f"there is no Hungarian baseline for the domain {situation.domain}")
+        return baseline.propose(situation, memory)
 
 
 class HungarianDisaster:

@@ -3,7 +3,14 @@
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
-from domains.mission_state import Activity, BlockadeState, MissionState, RobotState, Target
+from domains.mission_state import (
+    Activity,
+    BlockadeState,
+    MeetingPoint,
+    MissionState,
+    RobotState,
+    Target,
+)
 from semantic_attachments.world import GridMap, RobotModel
 from service.coordination.mission import FleetRobot, Mission
 from service.coordination.strategy import Situation
@@ -22,7 +29,7 @@ _BUSY = {
 }
 
 
-def mission_state(mission: Mission) -> MissionState:
+def mission_state(mission: Mission, meeting_points: tuple[MeetingPoint, ...] = ()) -> MissionState:
     """What the domain's formulation needs; robots start from where they are now."""
     return MissionState(
         time_s=mission.time_s,
@@ -37,6 +44,7 @@ def mission_state(mission: Mission) -> MissionState:
             for blockade in mission.blockades.values()
             if blockade.cleared_by is None
         ),
+        meeting_points=meeting_points,
         capacities={
             robot.id: mission.request.robot_types[robot.type].capacity
             for robot in mission.robots.values()
@@ -76,12 +84,16 @@ def _activity(mission: Mission, robot: FleetRobot) -> tuple[Activity, str | None
 
 
 def situation(
-    mission: Mission, grid: GridMap, models: Mapping[str, RobotModel], trigger: str
+    mission: Mission,
+    grid: GridMap,
+    models: Mapping[str, RobotModel],
+    meeting_points: tuple[MeetingPoint, ...],
+    trigger: str,
 ) -> Situation:
     """The snapshot that a decision is made on."""
     return Situation(
         domain=mission.request.domain,
-        state=mission_state(mission),
+        state=mission_state(mission, meeting_points),
         grid=grid,
         models=models,
         planning=mission.request.planning,

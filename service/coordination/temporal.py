@@ -8,7 +8,7 @@ from domains import catalogue
 from domains.formulation import Assignment, Formulation
 from semantic_attachments import bind
 from semantic_attachments.contract import Memory
-from service.coordination.hungarian import HungarianDisaster, being_cleared, clear_nearest, free
+from service.coordination.hungarian import being_cleared, clear_nearest, free
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.coordination.travel import Travel
 from service.messages.plan import PlanStep
@@ -19,8 +19,8 @@ LOG = logging.getLogger(__name__)
 class TemporalPlanning:
     """Plans the whole mission at every event and executes the first action of each robot."""
 
-    def __init__(self, fallback: Strategy | None = None) -> None:
-        self._fallback = fallback or HungarianDisaster()
+    def __init__(self, fallback: Strategy) -> None:
+        self._fallback = fallback
 
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """A validated plan within the budget, or the fallback's one-step assignment."""

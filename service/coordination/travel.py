@@ -42,6 +42,13 @@ class Travel:
             for robot in robots
         ]
 
+    def times_between_s(self, robot: str, starts: Sequence[str], goal: str) -> list[float]:
+        """Travel times of a robot from several places to a goal."""
+        name, to = self.names.name(robot), self.names.name(goal)
+        if (robot, goal) in self._avoid:
+            return [inf] * len(starts)
+        return self._costs.many([(name, self.names.name(start), to) for start in starts])
+
     def path_m(self, robot: str, goal: str) -> tuple[Position, ...]:
         """Way points from where a robot is now to a goal; empty where there is no way."""
         way_points = self._costs.path(

@@ -1,0 +1,76 @@
+"""Meeting points: where carriers put rovers down and take them up (thesis 3.4.1).
+
+They lie on the border between what carriers can drive on and what only rovers can. They do not
+change while the map stays the same, so that plans and robots can refer to them.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from domains.mission_state import MeetingPoint
+from semantic_attachments.world import GridMap, RobotModel
+
+FREE_BELOW = 65
+SPACING_M = 10.0
+"""A border longer than this has more than one meeting point."""
+EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
+
+
+def meeting_points(grid: GridMap, models: Mapping[str, RobotModel]) -> tuple[MeetingPoint, ...]:
+    """Meeting points of carriers (types with a capacity) and all other robots, in the map frame.
+
+    One for each connected stretch of border, at the cell nearest its centroid; long stretches are
+    cut into pieces first. Their ids hold a space, which no id of a fleet does.
+    """
+    carriers = [model for model in models.values() if model.capacity > 0]
+    riders = [model for model in models.values() if model.capacity == 0]
+    if not carriers or not riders or grid.terrain is None:
+        return ()
+    for_carriers = _enterable(grid, carriers)
+    for_riders_only = _enterable(grid, riders) & ~for_carriers
+    border = for_carriers & ndimage.binary_dilation(for_riders_only, EIGHT_NEIGHBOURS)
+    labels, count = ndimage.label(border, EIGHT_NEIGHBOURS)
+    pieces = [
+        piece
+        for label in range(1, count + 1)
+        for piece in _cut(np.argwhere(labels == label), grid.resolution_m)
+    ]
+    return tuple(
+        MeetingPoint(f"meeting {number}", _centre_m(grid, piece))
+        for number, piece in enumerate(pieces, 1)
+    )
+
+
+def _enterable(grid: GridMap, models: Sequence[RobotModel]) -> NDArray[np.bool_]:
+    classes = [
+        index
+        for index, name in enumerate(grid.terrain_classes)
+        if any(name in model.enters for model in models)
+    ]
+    if grid.terrain is None:
+        return np.zeros_like(grid.cells, dtype=np.bool_)
+    known_free = (grid.cells >= 0) & (grid.cells < FREE_BELOW)
+    enterable: NDArray[np.bool_] = known_free & np.isin(grid.terrain, classes)
+    return enterable
+
+
+def _cut(cells: NDArray[np.int64], resolution_m: float) -> list[NDArray[np.int64]]:
+    """Pieces of a stretch of border, along its longer side."""
+    extent = cells.max(axis=0) - cells.min(axis=0)
+    count = max(1, ceil(float(extent.max()) * resolution_m / SPACING_M))
+    ordered = cells[np.argsort(cells[:, int(np.argmax(extent))], kind="stable")]
+    return [piece for piece in np.array_split(ordered, count) if len(piece)]
+
+
+def _centre_m(grid: GridMap, cells: NDArray[np.int64]) -> tuple[float, float]:
+    """The centre of the cell nearest the centroid, in the map frame."""
+    nearest = cells[np.argmin(np.linalg.norm(cells - cells.mean(axis=0), axis=1))]
+    row, column = (float(value) for value in nearest)
+    return (
+        grid.origin_m[0] + (column + 0.5) * grid.resolution_m,
+        grid.origin_m[1] + (row + 0.5) * grid.resolution_m,
+    )
