@@ -158,14 +158,18 @@ class Formulation(ABC):
         self.write(text, world, state, [t.id for t in state.targets] if goals is None else goals)
         return text.render()
 
-    def assignments(self, plan: Plan, state: MissionState) -> tuple[Assignment, ...]:
+    def assignments(
+        self, plan: Plan, state: MissionState, names: Names | None = None
+    ) -> tuple[Assignment, ...]:
         """What each free robot does first; a robot without a step in the plan gets none.
 
         A movement to where the robot has just arrived is skipped. A step that has to wait for
-        somebody else makes its
-        robot wait at its place.
+        somebody else makes its robot wait at its place.
+
+        Args:
+            names: the plan's names, if they are not those of `state` because it is an older plan.
         """
-        names = self.names(state)
+        names = names or self.names(state)
         agenda: dict[str, list[tuple[Step, Order]]] = defaultdict(list)
         for step in sorted(plan, key=lambda step: step.start):
             for order in self.orders(step, names):

@@ -152,8 +152,13 @@ class Mission:
     missing: set[int] = field(default_factory=set)
     """Sequence numbers below `sequence` that never arrived."""
     revision: int = 0
-    replans: int = 0
+    plannings: int = 0
+    """Times that a strategy was asked."""
     plan: PlanInForce | None = None
+    plan_disturbed: bool = False
+    """Something has happened that the plan in force does not reckon with."""
+    done: list[Command] = field(default_factory=list)
+    """Commands carried out since the plan came into force, in order."""
     commands: dict[str, Command] = field(default_factory=dict)
     """The command in force of each robot."""
     issued_at_s: dict[str, float] = field(default_factory=dict)
@@ -185,6 +190,11 @@ class Mission:
         return self.status in ("completed", "failed", "canceled")
 
     @property
+    def replans(self) -> int:
+        """Times that a strategy was asked again."""
+        return max(self.plannings - 1, 0)
+
+    @property
     def targets_left(self) -> int:
         """Targets nobody has visited."""
         return sum(target.is_open for target in self.targets.values())
@@ -209,15 +219,16 @@ class Mission:
             case OrdersIssued():
                 self._apply_orders(event)
             case PlanKept():
-                self.replans += 1
+                self.plannings += 1
                 self._decide(event.time_s, "plan kept", event.reason)
                 self._recover()
             case PlanningFailed():
-                self.replans += 1
+                self.plannings += 1
                 self._decide(event.time_s, "no plan", event.reason)
                 self.status, self.status_reason = "delayed", event.reason
             case RobotLost():
                 self.robots[event.robot].lost = True
+                self.plan_disturbed = True
                 self._drop_command(event.robot)
                 self._decide(event.time_s, "robot lost", f"{event.robot} fell silent")
             case MissionClosed():
@@ -233,6 +244,7 @@ class Mission:
 
     def _apply_change(self, event: Event) -> None:
         """What people change in a mission that is under way."""
+        self.plan_disturbed = True
         match event:
             case RobotJoined(robot=robot):
                 self.robots[robot.id] = _fleet_robot(robot, self.time_s)
@@ -305,6 +317,7 @@ class Mission:
                     blockade.clear_duration_s,
                     seen_at_s=report.time_s,
                 )
+                self.plan_disturbed = True
         for finished in report.finished:
             self._finish(finished.robot, finished.command, report.time_s)
         for failed in report.failed:
@@ -319,9 +332,11 @@ class Mission:
         robot.reported_at_s = self.time_s
         if robot.lost:
             robot.lost = False
+            self.plan_disturbed = True
             self._decide(self.time_s, "robot back", f"{robot.id} reports again")
         if robot.state == "failed":
             self._drop_command(robot.id)
+            self.plan_disturbed = True
         if robot.state != "docked" and robot.arrived_at is not None:
             (x, y, _), (arrival_x, arrival_y, _) = robot.pose, robot.arrival_pose
             if (x - arrival_x) ** 2 + (y - arrival_y) ** 2 > ARRIVAL_TOLERANCE_M**2:
@@ -333,6 +348,7 @@ class Mission:
         command = self.orders[command_id]
         robot = self.robots[robot_id]
         self._close(robot_id, command_id)
+        self.done.append(command)
         match command.kind:
             case "explore":
                 target = self.targets.get(command.location or "")
@@ -373,6 +389,7 @@ class Mission:
             return
         command = self.orders[command_id]
         self._close(robot_id, command_id)
+        self.plan_disturbed = True
         place = command.location or ""
         self.failures[robot_id, place] = self.failures.get((robot_id, place), 0) + 1
         self._decide(
@@ -394,11 +411,13 @@ class Mission:
     def _apply_orders(self, event: OrdersIssued) -> None:
         self.revision = event.revision
         self._decide(event.time_s, "new plan" if event.new_plan else "next steps", event.reason)
+        self.plannings += 1
         if event.new_plan:
-            self.replans += 1
             self.plan = PlanInForce(
                 tuple(event.steps), event.validated, event.revision, event.time_s
             )
+            self.plan_disturbed = False
+            self.done = []
         for command in event.commands:
             if command.id not in self.issued_at_s:
                 self.issued_at_s[command.id] = event.time_s

@@ -98,7 +98,10 @@ def situation(
         models=models,
         planning=mission.request.planning,
         trigger=trigger,
-        in_force=mission.plan.steps if mission.plan is not None else (),
+        in_force=mission.plan.steps
+        if mission.plan is not None and mission.plan.validated and not mission.plan_disturbed
+        else (),
+        done=tuple(mission.done),
         avoid=_avoid(mission),
         priorities=_by_target(mission, Priority, lambda order: order.priority),
         deadlines_s=_by_target(mission, Deadline, lambda order: order.time_s),

@@ -15,6 +15,7 @@ from semantic_attachments.world import GridMap, RobotModel
 from service.messages.instruction import Instruction
 from service.messages.mission import PlanningMessage
 from service.messages.plan import PlanStep
+from service.messages.report import Command
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,9 @@ class Situation:
     version: int = 0
     """Changes whenever the grid does."""
     in_force: tuple[PlanStep, ...] = ()
-    """The remainder of the plan in force, starts in mission time [s]."""
+    """The plan in force, starts in mission time [s]; empty if it can no longer be relied on."""
+    done: tuple[Command, ...] = ()
+    """The commands carried out since it came into force, in order."""
     avoid: frozenset[tuple[str, str]] = frozenset()
     """Robots and places that do not go together."""
     priorities: Mapping[str, int] = field(default_factory=dict)

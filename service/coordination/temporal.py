@@ -1,19 +1,34 @@
-"""Coordination by temporal planning (thesis 3.3): plan all, execute each robot's first action."""
+"""Coordination by temporal planning (thesis 3.3): plan all, execute each robot's first action.
+
+The plan in force goes on unless the new one is better by a margin or something has happened that
+it does not reckon with: a team that changes its mind at every event gets nowhere. What is urgent
+(priorities, deadlines) is planned first where the plan for everything would be too late, and the
+rest of the team plans for the rest.
+"""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
 
 import planner
 from domains import catalogue
-from domains.formulation import Assignment, Formulation
+from domains.formulation import Assignment, Formulation, OrderKind
+from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
-from semantic_attachments.contract import Memory
+from semantic_attachments.contract import Evaluator, Memory
+from semantic_attachments.world import World
 from service.coordination.hungarian import being_cleared, clear_nearest, free
+from service.coordination.plan_progress import Remainder, remainder
+from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.coordination.travel import Travel
+from service.messages.instruction import Deadline, Pin, Priority
 from service.messages.plan import PlanStep
 
 LOG = logging.getLogger(__name__)
+PRIORITY_SLACK = 1.05
+"""A plan for everything may visit urgent targets this much later than a plan for them alone."""
 
 
 class TemporalPlanning:
@@ -25,64 +40,199 @@ class TemporalPlanning:
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """A validated plan within the budget, or the fallback's one-step assignment."""
         try:
-            return self._plan(situation, memory)
+            return Planning.of(situation, memory).propose()
         except NoPlanError:
             raise
+        except PlanNotFoundError as error:
+            return self._fall_back(situation, memory, str(error))
         except Exception as error:
             # A team in the field is better off with a simple order than with none.
             LOG.exception("the planner failed")
             return self._fall_back(situation, memory, f"the planner failed: {error}")
 
-    def _plan(self, situation: Situation, memory: Memory) -> Proposal:
+    def _fall_back(self, situation: Situation, memory: Memory, why: str) -> Proposal:
+        proposal = self._fallback.propose(situation, memory)
+        return replace(proposal, reason=f"{why}; instead {proposal.reason}")
+
+
+class PlanNotFoundError(Exception):
+    """There may be a plan, but the budget was too small to find it."""
+
+
+@dataclass(frozen=True)
+class Planning:
+    """One decision."""
+
+    situation: Situation
+    memory: Memory
+    formulation: Formulation
+    world: World
+    attachments: Mapping[str, Evaluator]
+
+    @classmethod
+    def of(cls, situation: Situation, memory: Memory) -> "Planning":
+        """Binds the domain's attachments to the situation's world."""
         formulation = catalogue.load(situation.domain)
-        state, planning = situation.state, situation.planning
+        state = situation.state
         world = formulation.world(state, situation.grid, situation.models, situation.version)
-        attachments = bind(formulation.attachments, world, memory=memory)
-        goals = formulation.attainable(attachments["pathCost"], state)
+        names = formulation.names(state)
+        bound: dict[str, Evaluator] = dict(bind(formulation.attachments, world, memory=memory))
+        if situation.avoid:
+            pairs = {
+                (names.name(robot), names.name(place))
+                for robot, place in situation.avoid
+                if robot in names and place in names
+            }
+            bound["pathCost"] = RestrictedCosts(bound["pathCost"], frozenset(pairs))
+        return cls(situation, memory, formulation, world, bound)
+
+    def propose(self) -> Proposal:
+        """The plan in force if it is as good, a new one otherwise."""
+        state = self.situation.state
+        goals = self.formulation.attainable(self.attachments["pathCost"], state)
         unreachable = frozenset(target.id for target in state.targets) - goals
         if not goals:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
-        problem = formulation.problem(world, state, sorted(goals))
-        result = vars(planner)["solve"](
-            formulation.domain_path,
-            problem,
-            attachments=attachments,
+        plan, how = self._plan(goals)
+        kept = self._kept(plan, goals)
+        if kept is not None:
+            return kept
+        assignments = self._with_idle_clearers(self.formulation.assignments(plan, state))
+        left_out = f"; out of reach: {_listed(unreachable)}" if unreachable else ""
+        return Proposal(
+            assignments=tuple(assignments),
+            reason=f"{how} of {len(plan)} steps and {plan.makespan:.1f} s{left_out}",
+            steps=self._steps(plan),
+            validated=True,
+            unreachable=unreachable,
+            remarks=self._remarks(plan, unreachable),
+        )
+
+    # Plans
+
+    def _plan(self, goals: Collection[str]) -> tuple[planner.Plan, str]:
+        state = self.situation.state
+        everything = self._solve(state, goals)
+        urgent = self._urgent(goals)
+        if not urgent:
+            return everything, "a plan"
+        first = self._solve(state, urgent)
+        allowed_s = {
+            target: min(
+                first.makespan * PRIORITY_SLACK,
+                self.situation.deadlines_s.get(target, float("inf")) - state.time_s,
+            )
+            for target in urgent
+        }
+        arrivals_s = self._visits_s(everything)
+        if all(arrivals_s.get(target, float("inf")) <= allowed_s[target] for target in urgent):
+            return everything, "a plan"
+        return self._with_rest(first, goals, urgent), "a plan for what is urgent first,"
+
+    def _urgent(self, goals: Collection[str]) -> list[str]:
+        """The attainable targets of the highest priority; a deadline ranks above all."""
+        deadlines = [target for target in self.situation.deadlines_s if target in goals]
+        if deadlines:
+            return sorted(deadlines)
+        priorities = {t: p for t, p in self.situation.priorities.items() if t in goals}
+        highest = max(priorities.values(), default=0)
+        return sorted(target for target, p in priorities.items() if p == highest)
+
+    def _with_rest(
+        self, first: planner.Plan, goals: Collection[str], urgent: Collection[str]
+    ) -> planner.Plan:
+        """`first`, and beside it a plan of the robots it does not need, if they go together."""
+        state = self.situation.state
+        names = self.formulation.names(state)
+        engaged = {order.robot for step in first for order in self.formulation.orders(step, names)}
+        rest_state = replace(
+            state,
+            robots=tuple(
+                replace(robot, activity=Activity.FAILED) if robot.id in engaged else robot
+                for robot in state.robots
+            ),
+        )
+        attainable = self.formulation.attainable(self.attachments["pathCost"], rest_state)
+        rest = sorted(attainable & set(goals) - set(urgent))
+        if not rest:
+            return first
+        try:
+            second = self._solve(rest_state, rest)
+        except PlanNotFoundError:
+            return first
+        both = planner.Plan(tuple(sorted([*first, *second], key=lambda step: step.start)))
+        problem = self.formulation.problem(self.world, state, sorted({*urgent, *rest}))
+        verdict = planner.validate(
+            self.formulation.domain_path, problem, both, attachments=self.attachments
+        )
+        return both if verdict.valid else first
+
+    def _solve(self, state: MissionState, goals: Collection[str]) -> planner.Plan:
+        planning = self.situation.planning
+        result = planner.solve(
+            self.formulation.domain_path,
+            self.formulation.problem(self.world, state, sorted(goals)),
+            attachments=self.attachments,
             timeout_s=planning.time_limit_s,
             node_limit=planning.node_limit,
             seed=planning.seed,
         )
         if result.plan is None:
-            return self._fall_back(situation, memory, f"the planner says {result.outcome}")
-        verdict = planner.validate(
-            formulation.domain_path, problem, result.plan, attachments=attachments
-        )
-        if not verdict.valid:
-            return self._fall_back(situation, memory, f"the validator refuses: {verdict}")
-        assignments = self._with_idle_clearers(
-            situation, memory, formulation.assignments(result.plan, state)
-        )
-        left_out = f"; out of reach: {_listed(unreachable)}" if unreachable else ""
+            raise PlanNotFoundError(f"planning ended without a plan ({result.outcome})")
+        return result.plan
+
+    # The plan in force
+
+    def _kept(self, plan: planner.Plan, goals: Collection[str]) -> Proposal | None:
+        """The next orders of the plan in force, if that is nearly as good as `plan`."""
+        situation, state = self.situation, self.situation.state
+        if not situation.in_force:
+            return None
+        left = remainder(self.formulation, state, situation.in_force, situation.done)
+        visits = {target for _, target in left.ends_s()}
+        if not visits >= set(goals):
+            return None
+        assignments = left.assignments(self.formulation, state)
+        lag_s = self._lag_s(left, assignments)
+        if not isfinite(lag_s):
+            return None
+        left_s = left.plan.makespan + lag_s
+        if plan.makespan < left_s * (1.0 - situation.planning.margin):
+            return None
         return Proposal(
-            assignments=tuple(assignments),
-            reason=f"a plan of {len(result.plan)} steps and {result.plan.makespan:.1f} s{left_out}",
-            steps=_steps(formulation, situation, result.plan),
-            validated=True,
-            unreachable=unreachable,
+            assignments=tuple(self._with_idle_clearers(assignments)),
+            reason=f"the plan in force goes on with {left_s:.1f} s left, "
+            f"a new one would take {plan.makespan:.1f} s",
+            keeps_plan=True,
+            remarks=self._remarks(left.plan, frozenset(), left),
         )
 
-    def _fall_back(self, situation: Situation, memory: Memory, why: str) -> Proposal:
-        proposal = self._fallback.propose(situation, memory)
-        return Proposal(
-            assignments=proposal.assignments,
-            reason=f"{why}; instead {proposal.reason}",
-            steps=proposal.steps,
-        )
+    def _lag_s(self, left: Remainder, assignments: Sequence[Assignment]) -> float:
+        """By how much the team is behind the plan [s]; infinite if a robot's way is barred."""
+        travel = Travel(self.situation, self.memory)
+        lag_s = 0.0
+        for assignment in assignments:
+            if assignment.kind not in (OrderKind.MOVE, OrderKind.EXPLORE):
+                continue
+            if assignment.location is None or assignment.location not in travel.names:
+                return float("inf")
+            (time_s,) = travel.times_s([assignment.robot], [assignment.location])[0]
+            planned_s = next(
+                step.end
+                for step, orders in left.orders
+                if any(
+                    o.robot == assignment.robot and o.location == assignment.location
+                    for o in orders
+                )
+            )
+            lag_s = max(lag_s, time_s - planned_s)
+        return lag_s
 
-    @staticmethod
-    def _with_idle_clearers(
-        situation: Situation, memory: Memory, assignments: Sequence[Assignment]
-    ) -> list[Assignment]:
+    # What is told
+
+    def _with_idle_clearers(self, assignments: Sequence[Assignment]) -> list[Assignment]:
         """A clearer that the plan does not need takes the nearest blockade nobody has taken."""
+        situation = self.situation
         busy = {assignment.robot for assignment in assignments}
         idle = [robot for robot in free(situation, "clearer") if robot not in busy]
         blockades = {blockade.id for blockade in situation.state.blockades}
@@ -93,23 +243,54 @@ class TemporalPlanning:
         }
         if not idle or taken >= blockades:
             return list(assignments)
-        travel = Travel(situation, memory)
+        travel = Travel(situation, self.memory)
         return [*assignments, *clear_nearest(situation, travel, idle, taken)]
 
-
-def _steps(
-    formulation: Formulation, situation: Situation, plan: planner.Plan
-) -> tuple[PlanStep, ...]:
-    names = formulation.names(situation.state)
-    return tuple(
-        PlanStep(
-            start_s=situation.state.time_s + step.start,
-            action=step.action,
-            arguments=[names.id(name) for name in step.arguments],
-            duration_s=step.duration,
+    def _steps(self, plan: planner.Plan) -> tuple[PlanStep, ...]:
+        names = self.formulation.names(self.situation.state)
+        return tuple(
+            PlanStep(
+                start_s=self.situation.state.time_s + step.start,
+                action=step.action,
+                arguments=[names.id(name) for name in step.arguments],
+                duration_s=step.duration,
+            )
+            for step in plan
         )
-        for step in plan
-    )
+
+    def _visits_s(self, plan: planner.Plan) -> dict[str, float]:
+        """When each target is visited, from now [s]."""
+        names = self.formulation.names(self.situation.state)
+        return {
+            order.location: step.end
+            for step in plan
+            for order in self.formulation.orders(step, names)
+            if order.kind is OrderKind.EXPLORE
+        }
+
+    def _remarks(
+        self, plan: planner.Plan, unreachable: frozenset[str], left: Remainder | None = None
+    ) -> dict[str, str]:
+        """Why instructions cannot be obeyed, by their ids."""
+        now_s = self.situation.state.time_s
+        if left is None:
+            visits_s = self._visits_s(plan)
+        else:
+            visits_s = {target: end_s for (_, target), end_s in left.ends_s().items()}
+        remarks = {}
+        for identifier, instruction in self.situation.instructions:
+            match instruction:
+                case Pin(robot=robot, location=location) if location in unreachable:
+                    remarks[identifier] = f"{robot} cannot reach {location}, as far as is known"
+                case Deadline(target=target) | Priority(target=target) if target in unreachable:
+                    remarks[identifier] = f"no robot can reach {target}, as far as is known"
+                case Deadline(target=target, time_s=time_s) if (
+                    target in visits_s and now_s + visits_s[target] > time_s
+                ):
+                    remarks[identifier] = (
+                        f"the earliest visit found is at {now_s + visits_s[target]:.1f} s"
+                    )
+        return remarks
 
 
 def _listed(targets: frozenset[str]) -> str:
