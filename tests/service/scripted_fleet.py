@@ -43,10 +43,11 @@ class Robot:
     command: dict[str, Any] | None = None
     path: list[Point] = field(default_factory=list)
     busy_until_s: float | None = None
+    carrier: str | None = None
 
     @property
-    def is_clearing(self) -> bool:
-        return self.state == "clearing"
+    def is_busy(self) -> bool:
+        return self.state in ("clearing", "docking", "undocking")
 
 
 @dataclass
@@ -68,6 +69,7 @@ class ScriptedFleet:
     step_s: float = 1.0
     sensor_range_m: float = 4.0
     stop_m: float = 0.8
+    dock_duration_s: float = 5.0
     time_s: float = 0.0
     sequence: int = 0
     seen: list[HiddenBlockade] = field(default_factory=list)
@@ -134,21 +136,25 @@ class ScriptedFleet:
         commands = {command["robot"]: command for command in answer["commands"]}
         for robot in self.robots:
             command = commands.get(robot.id)
-            if robot.is_clearing or robot.state == "failed":
+            if robot.is_busy or robot.state == "failed":
                 continue
             if command is None:
-                robot.command, robot.path, robot.state = None, [], "idle"
+                robot.command, robot.path = None, []
+                robot.state = "docked" if robot.carrier else "idle"
             elif robot.command is None or robot.command["id"] != command["id"]:
                 self._begin(robot, command)
 
     def _begin(self, robot: Robot, command: dict[str, Any]) -> None:
         robot.command = command
         robot.path = [(x, y) for x, y in command["path_m"]]
-        robot.state = "driving" if robot.path else "idle"
+        robot.state = "driving" if robot.path else "docked" if robot.carrier else "idle"
         if command["kind"] == "clear":
             blockade = self._blockade(command["location"])
             robot.state = "clearing"
             robot.busy_until_s = self.time_s + blockade.clear_duration_s
+        elif command["kind"] in ("dock", "undock"):
+            robot.state = command["kind"] + "ing"
+            robot.busy_until_s = self.time_s + self.dock_duration_s
 
     def _blockade(self, identifier: str) -> HiddenBlockade:
         return next(blockade for blockade in self.blockades if blockade.id == identifier)
@@ -157,11 +163,9 @@ class ScriptedFleet:
         """Lets `step_s` seconds pass."""
         self.time_s += self.step_s
         for robot in self.robots:
-            if robot.is_clearing:
+            if robot.is_busy:
                 if self.time_s >= (robot.busy_until_s or 0.0):
-                    assert robot.command is not None
-                    self._blockade(robot.command["location"]).cleared = True
-                    self._finish(robot)
+                    self._end_activity(robot)
             elif robot.path:
                 self._drive(robot, self.step_s)
             for blockade in self.blockades:
@@ -169,6 +173,18 @@ class ScriptedFleet:
                 if not known and distance(robot.position, blockade.segment) <= self.sensor_range_m:
                     self.seen.append(blockade)
                     self.told.add(blockade.id)
+
+    def _end_activity(self, robot: Robot) -> None:
+        assert robot.command is not None
+        kind, partner = robot.command["kind"], robot.command["partner"]
+        if kind == "clear":
+            self._blockade(robot.command["location"]).cleared = True
+        elif robot.type == "rover":
+            carrier = next(other for other in self.robots if other.id == partner)
+            assert distance(robot.position, (carrier.position, carrier.position)) < 3.0
+            robot.position = carrier.position
+            robot.carrier = partner if kind == "dock" else None
+        self._finish(robot)
 
     def _drive(self, robot: Robot, budget_m: float) -> None:
         assert robot.command is not None
@@ -195,6 +211,9 @@ class ScriptedFleet:
                     robot.path = []
                     return
             robot.position = position
+            for rider in self.robots:
+                if rider.carrier == robot.id:
+                    rider.position = position
             budget_m -= move
         if not robot.path:
             self._finish(robot)
@@ -204,7 +223,8 @@ class ScriptedFleet:
         self.finished.append({"robot": robot.id, "command": robot.command["id"]})
         self.executed.append((robot.id, robot.command["kind"], robot.command["location"]))
         robot.command, robot.path = None, []
-        robot.state, robot.busy_until_s = "idle", None
+        robot.state = "docked" if robot.carrier else "idle"
+        robot.busy_until_s = None
 
 
 def distance(point: Point, segment: tuple[Point, Point]) -> float:
