@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from math import isnan
 from numbers import Real
-from threading import RLock
+from threading import RLock, Semaphore
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,12 @@ Call = tuple[str, ...]
 
 _MEMO_LIMIT = 500_000
 """Values remembered by one attachment before it starts anew."""
+
+_LOCK_LIMIT_S = 60.0
+"""How long a thread waits for an attachment that is busy and has no time limit [s]."""
+
+_MOST_ASKERS = 64
+"""Threads that may ask one attachment at once; more are one that asks itself again and again."""
 
 _underway: ContextVar[tuple[int, ...]] = ContextVar("underway", default=())
 """The guards whose attachments are being evaluated, outermost first."""
@@ -39,6 +45,7 @@ class Guarded:
         self._function = function
         self._limit = TimeLimit(time_limit_s)
         self._lock = RLock()
+        self._askers = Semaphore(_MOST_ASKERS)
         self._memo: dict[tuple[Any, ...], float] = {}
 
     @property
@@ -125,12 +132,14 @@ class Guarded:
         state_first: bool,
     ) -> Any:
         underway = _underway.get()
-        if id(self) in underway:
+        if id(self) in underway or not self._askers.acquire(blocking=False):
             raise EvaluationError("it asks itself through the planner, which would never end")
         token = _underway.set((*underway, id(self)))
-        waiting_s = -1.0 if self._limit.seconds is None else self._limit.seconds
+        waiting_s = _LOCK_LIMIT_S if self._limit.seconds is None else self._limit.seconds
         shared = self.attachment.thread_safe
         if not shared and not self._lock.acquire(timeout=waiting_s):
+            self._askers.release()
+            _underway.reset(token)
             raise EvaluationError(f"it is still busy after {waiting_s:g} s")
         try:
             return self._limit.run(function, arguments, state, state_first=state_first)
@@ -139,6 +148,7 @@ class Guarded:
         except Exception as error:
             raise EvaluationError(f"it raised {type(error).__name__}: {error}") from error
         finally:
+            self._askers.release()
             if not shared:
                 self._lock.release()
             _underway.reset(token)

@@ -7,9 +7,10 @@
 | | `(clear-duration b)` | time that clearing it takes [s] |
 | `(speed r)`, `(radius r)` | a robot's speed [m/s] and radius [m] |
 | `(capacity r)` | rovers it can carry |
+| the fact `(charger l)` | batteries can be charged there |
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Protocol
 
@@ -27,11 +28,15 @@ class ProblemView(Protocol):
 
     @property
     def objects(self) -> Mapping[str, Sequence[str]]:
-        """Types of each object; several mean `either`."""
+        """Types of each object."""
 
     @property
     def fluents(self) -> Fluents:
         """Initial values of numeric fluents."""
+
+    @property
+    def facts(self) -> Set[tuple[str, ...]]:
+        """Facts true at time 0."""
 
 
 def world_of_problem(
@@ -51,7 +56,10 @@ def world_of_problem(
     """
     fluents = problem.fluents
     locations, blockades, robots = {}, {}, {}
-    for name, (type_name, *_) in problem.objects.items():
+    types = robot_types or {}
+    for name, type_names in problem.objects.items():
+        known = [types[type_name] for type_name in type_names if type_name in types]
+        charger = ("charger", name) in problem.facts
         if any((fluent, name) in fluents for fluent in _SEGMENT):
             ends = [_value(fluents, fluent, name) for fluent in _SEGMENT]
             blockades[name] = Blockade(
@@ -69,9 +77,9 @@ def world_of_problem(
             )
         elif ("x", name) in fluents or ("y", name) in fluents:
             position_m = (_value(fluents, "x", name), _value(fluents, "y", name))
-            locations[name] = Location(position_m=position_m)
-        elif ("speed", name) in fluents or type_name in (robot_types or {}):
-            robots[name] = _robot(fluents, name, type_name, (robot_types or {}).get(type_name))
+            locations[name] = Location(position_m=position_m, charger=charger)
+        elif ("speed", name) in fluents or known:
+            robots[name] = _robot(fluents, name, " ".join(type_names), known[0] if known else None)
     return World(grid=grid, locations=locations, robots=robots, blockades=blockades)
 
 

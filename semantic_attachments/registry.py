@@ -53,7 +53,7 @@ def _entry_points() -> set[EntryPoint]:
     # The package's own attachments are there even when it runs from a source tree.
     own = {
         EntryPoint(name, f"semantic_attachments.{name}:ATTACHMENTS", GROUP)
-        for name in ("grid", "motion")
+        for name in ("battery", "grid", "motion")
     }
     return own | set(entry_points(group=GROUP))
 

@@ -29,6 +29,8 @@ class Location:
     position_m: PositionM
     blockade: str | None = None
     """The blockade that lies at this place, if any: it is open for a robot on its way here."""
+    charger: bool = False
+    """Whether batteries can be charged here."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ class View:
             "hope": ["feeling"],
         }
     )
+    facts: frozenset[tuple[str, ...]] = frozenset({("charger", "target_1")})
     fluents: dict[tuple[str, ...], float] = field(
         default_factory=lambda: {
             ("x", "target_1"): 1.5,
@@ -39,7 +40,7 @@ class View:
 def test_fluents_become_geometry() -> None:
     world = world_of_problem(View(), GRID)
     assert dict(world.locations) == {
-        "target_1": Location((1.5, 2.5)),
+        "target_1": Location((1.5, 2.5), charger=True),
         "rubble": Location((4.0, 1.0), blockade="rubble"),
     }
     assert dict(world.blockades) == {"rubble": Blockade("rubble", ((3.0, 1.0), (5.0, 1.0)), 12.0)}

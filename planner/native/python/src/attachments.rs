@@ -125,7 +125,7 @@ impl Provider {
                 };
                 numbers(&values)
             };
-            return batch().map_err(|error| (0, error));
+            return batch().map_err(|error| (position(py, &error), error));
         }
         calls
             .iter()
@@ -148,6 +148,12 @@ impl Provider {
             })
             .collect()
     }
+}
+
+/// The call of a batch that failed, if the exception tells it by an attribute `position`.
+fn position(py: Python<'_>, error: &PyErr) -> usize {
+    let position = error.value(py).getattr("position");
+    position.and_then(|number| number.extract()).unwrap_or(0)
 }
 
 fn numbers(values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
