@@ -1,9 +1,12 @@
 //! Conversions between NumPy arrays and the kernels; nothing else lives here.
 
+mod octree;
+
 use pyo3::prelude::*;
 
 /// The extension module `simulator._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<octree::PyOctree>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

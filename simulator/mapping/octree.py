@@ -1,0 +1,214 @@
+"""3D occupancy maps (Wurm, chapter 5; Hornung et al., "OctoMap", Autonomous Robots 2013).
+
+Points are metres in the map frame, arrays of shape `(n, 3)`; log odds are natural logarithms. Files
+are OctoMap's `.bt` and
+`.ot`, so that its viewers and libraries read them.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from simulator import _core
+
+
+@dataclass(frozen=True, slots=True)
+class SensorModel:
+    """Inverse sensor model in log odds; defaults are the thesis's (section 5.5).
+
+    All constants must be multiples of `quantum`, the step of the byte that a voxel is stored in.
+    """
+
+    hit: float = 0.85
+    """Added where a beam ends."""
+    miss: float = -0.4
+    """Added where a beam passes."""
+    lowest: float = -2.0
+    """Lower clamping threshold."""
+    highest: float = 3.5
+    """Upper clamping threshold."""
+    quantum: float = 0.05
+
+    @property
+    def constants(self) -> tuple[float, float, float, float, float]:
+        """In the order of the native kernel."""
+        return (self.quantum, self.hit, self.miss, self.lowest, self.highest)
+
+
+class RayEnd(IntEnum):
+    """How a ray ended."""
+
+    HIT = 0
+    UNKNOWN = 1
+    RANGE = 2
+
+
+class MapFileError(ValueError):
+    """A file that is no readable OctoMap file; the message says why."""
+
+
+class OctreeMap:
+    """Occupancy of space at one resolution, updated scan by scan.
+
+    A voxel is occupied when its log odds are zero or more, free below, and unknown until it is
+    observed.
+    """
+
+    def __init__(self, resolution_m: float, model: SensorModel | None = None) -> None:
+        self.model = model or SensorModel()
+        self._kernel = _core.Octree(resolution_m, self.model.constants)
+
+    @classmethod
+    def read(cls, path: Path | str, model: SensorModel | None = None) -> "OctreeMap":
+        """Reads a `.bt` or `.ot` file.
+
+        Raises:
+            MapFileError: names the file and what is wrong with it.
+        """
+        read = cls.__new__(cls)
+        read.model = model or SensorModel()
+        try:
+            read._kernel = _core.Octree.read(Path(path).read_bytes(), read.model.constants)
+        except ValueError as fault:
+            raise MapFileError(f"{path}: {fault}") from None
+        return read
+
+    def write(self, path: Path | str) -> None:
+        """Writes `.bt` (free and occupied only, two bits a node) or `.ot` (full log odds), by the
+        path's ending.
+
+        Raises:
+            ValueError: for another ending, or a map too large for the format.
+        """
+        path = Path(path)
+        match path.suffix:
+            case ".bt":
+                path.write_bytes(self._kernel.write_bt())
+            case ".ot":
+                path.write_bytes(self._kernel.write_ot())
+            case suffix:
+                raise ValueError(
+                    f"{path}: maps are written as .bt or .ot, not {suffix or 'no ending'!r}"
+                )
+
+    @property
+    def resolution_m(self) -> float:
+        """Edge of a voxel [m]."""
+        return self._kernel.resolution_m
+
+    def insert_scan(
+        self,
+        origin_m: ArrayLike,
+        end_points_m: ArrayLike,
+        max_range_m: float | None = None,
+        bounds_m: tuple[ArrayLike, ArrayLike] | None = None,
+        threads: int = 1,
+    ) -> None:
+        """Adds one scan of beams from `origin_m` `(3,)` to `end_points_m` `(n, 3)`.
+
+        Each voxel is updated at most once, end points win over passing beams (section 5.5.1). A
+        beam longer than
+        `max_range_m` only frees space up to there. With `bounds_m`, lowest and highest corner
+        `(3,)` of a
+        box, beams that end outside it are left out and the others begin where they enter it. The
+        result does not depend on `threads`.
+        """
+        bounds = None if bounds_m is None else (_triple(bounds_m[0]), _triple(bounds_m[1]))
+        self._kernel.insert_scan(
+            _triple(origin_m), _points(end_points_m), max_range_m, bounds, threads
+        )
+
+    def log_odds(
+        self, points_m: ArrayLike, levels: int = 0, combine: Literal["max", "mean"] = "max"
+    ) -> NDArray[np.float64]:
+        """Log odds `(n,)` at points, NaN where unknown.
+
+        With `levels` > 0, of the octree node that many levels above the voxel, by the largest or
+        the mean value
+        of its known voxels (eqs. 5.10 and 5.11).
+        """
+        return self._kernel.log_odds(_points(points_m), levels, combine)
+
+    def cast_rays(
+        self,
+        origins_m: ArrayLike,
+        directions: ArrayLike,
+        max_range_m: float,
+        through_unknown: bool = False,
+        threads: int = 1,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """First occupied voxel along each ray.
+
+        Args:
+            origins_m: `(n, 3)`, or `(3,)` for all rays.
+            directions: `(n, 3)`, of any length.
+            through_unknown: pass unknown voxels as if they were free.
+
+        Returns:
+            `RayEnd` of each ray `(n,)` and the centre of its last voxel `(n, 3)` [m].
+        """
+        origins = np.atleast_2d(np.asarray(origins_m, dtype=np.float32))
+        return self._kernel.cast_rays(
+            np.ascontiguousarray(origins),
+            _points(directions),
+            max_range_m,
+            through_unknown,
+            threads,
+        )
+
+    def known_voxels(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Centres `(n, 3)` [m] and log odds `(n,)` of all observed voxels, in a fixed order."""
+        keys, log_odds = self._kernel.known_voxels()
+        return (keys.astype(np.float64) + 0.5) * self.resolution_m, log_odds
+
+    def occupied_voxels(self) -> NDArray[np.float64]:
+        """Centres `(n, 3)` [m] of all occupied voxels."""
+        centres, log_odds = self.known_voxels()
+        return centres[log_odds >= 0]
+
+    def set_log_odds(self, points_m: ArrayLike, log_odds: ArrayLike) -> None:
+        """Overwrites voxels; NaN makes one unknown."""
+        keys = np.floor(np.asarray(points_m, dtype=np.float64) / self.resolution_m)
+        self._kernel.set_voxels(
+            np.ascontiguousarray(keys.astype(np.int32)), np.asarray(log_odds, dtype=np.float64)
+        )
+
+    def add_channel(self, name: str, model: SensorModel) -> None:
+        """Gives each voxel a further log-odds value, such as vegetation (eq. 6.18)."""
+        self._kernel.add_channel(name, model.constants)
+
+    def update_channel(self, name: str, points_m: ArrayLike, hits: ArrayLike) -> None:
+        """Adds one measurement a point `(n, 3)`: positive evidence where `hits` `(n,)` is true.
+
+        Raises:
+            KeyError: if the channel was not added.
+        """
+        self._kernel.update_channel(name, _points(points_m), np.asarray(hits, dtype=np.bool_))
+
+    def channel_log_odds(self, name: str, points_m: ArrayLike) -> NDArray[np.float64]:
+        """A channel's log odds `(n,)` at points, NaN where it was never measured."""
+        return self._kernel.channel_log_odds(name, _points(points_m))
+
+    def memory_bytes(self) -> int:
+        """Bytes that the map holds."""
+        return self._kernel.memory_bytes()
+
+    def node_count(self) -> int:
+        """Nodes of the losslessly pruned octree, as OctoMap counts them."""
+        return self._kernel.node_count()
+
+
+def _triple(point: ArrayLike) -> tuple[float, float, float]:
+    x, y, z = np.asarray(point, dtype=np.float32).tolist()
+    return (x, y, z)
+
+
+def _points(points: ArrayLike) -> NDArray[np.float32]:
+    array = np.ascontiguousarray(points, dtype=np.float32)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"points have shape {array.shape}; expected (n, 3)")
+    return array

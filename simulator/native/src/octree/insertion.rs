@@ -1,0 +1,279 @@
+//! Which voxels one scan observes free and occupied (Wurm, section 5.2.2).
+//!
+//! A voxel is updated at most once per scan, and an end point wins over beams passing through, so a scan is
+//! first drawn into two bits a voxel and only then added to the map.
+
+use crate::octree::brick::Brick;
+use crate::octree::key::{BrickKey, Lattice, VOXELS, VoxelKey};
+use crate::octree::map::OccupancyMap;
+use crate::octree::sensor_model::SensorModel;
+use crate::octree::traversal::{norm, walk};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+const WORDS: usize = VOXELS / 64;
+
+/// What a scan says about one brick, one bit a voxel.
+#[derive(Clone, Debug, Default)]
+struct Observed {
+    free: [u64; WORDS],
+    occupied: [u64; WORDS],
+}
+
+/// What a scan says about all bricks it touches.
+#[derive(Debug, Default)]
+struct ScanBricks {
+    index: FxHashMap<BrickKey, usize>,
+    bricks: Vec<(BrickKey, Observed)>,
+    current: Option<(BrickKey, usize)>,
+}
+
+impl ScanBricks {
+    #[inline]
+    fn at(&mut self, key: BrickKey) -> &mut Observed {
+        // Voxels of a ray come brick by brick: most look-ups end here.
+        if let Some((current, position)) = self.current
+            && current == key
+        {
+            return &mut self.bricks[position].1;
+        }
+        let position = *self.index.entry(key).or_insert_with(|| {
+            self.bricks.push((key, Observed::default()));
+            self.bricks.len() - 1
+        });
+        self.current = Some((key, position));
+        &mut self.bricks[position].1
+    }
+
+    #[inline]
+    fn free(&mut self, voxel: VoxelKey) {
+        let offset = voxel.offset();
+        self.at(voxel.brick()).free[offset / 64] |= 1 << (offset % 64);
+    }
+
+    fn occupied(&mut self, voxel: VoxelKey) {
+        let offset = voxel.offset();
+        self.at(voxel.brick()).occupied[offset / 64] |= 1 << (offset % 64);
+    }
+
+    fn merge(mut self, other: Self) -> Self {
+        for (key, observed) in other.bricks {
+            let mine = self.at(key);
+            for word in 0..WORDS {
+                mine.free[word] |= observed.free[word];
+                mine.occupied[word] |= observed.occupied[word];
+            }
+        }
+        self
+    }
+
+    fn draw(lattice: &Lattice, origin_m: [f32; 3], beams: &[[f32; 3]], limits: &Limits) -> Self {
+        let mut scan = Self::default();
+        let max_range_m = limits.max_range_m;
+        for &end_m in beams {
+            let origin_m = match &limits.bounds {
+                Some(bounds) => match bounds.entry(origin_m, end_m) {
+                    Some(entry_m) => entry_m,
+                    None => continue,
+                },
+                None => origin_m,
+            };
+            let beam: [f32; 3] = std::array::from_fn(|axis| end_m[axis] - origin_m[axis]);
+            let length_m = norm(beam);
+            match max_range_m {
+                Some(limit_m) if f64::from(length_m) > limit_m => {
+                    let cut_m = std::array::from_fn(|axis| {
+                        origin_m[axis] + beam[axis] / length_m * limit_m as f32
+                    });
+                    walk(lattice, origin_m, cut_m, |voxel| scan.free(voxel));
+                }
+                _ => {
+                    walk(lattice, origin_m, end_m, |voxel| scan.free(voxel));
+                    if let Some(voxel) = lattice.voxel(end_m) {
+                        scan.occupied(voxel);
+                    }
+                }
+            }
+        }
+        scan
+    }
+}
+
+impl Observed {
+    fn apply(&self, brick: &mut Brick, model: &SensorModel) {
+        if let Brick::Uniform(value) = *brick {
+            let nothing_hit = self.occupied.iter().all(|&word| word == 0);
+            // Clamped free space seen free again, the common case indoors, stays as it is.
+            if nothing_hit && value == model.lowest {
+                return;
+            }
+        }
+        let values = brick.dense();
+        for word in 0..WORDS {
+            let (mut free, mut occupied) =
+                (self.free[word] & !self.occupied[word], self.occupied[word]);
+            while free != 0 {
+                let value = &mut values[word * 64 + free.trailing_zeros() as usize];
+                *value = model.updated(*value, false);
+                free &= free - 1;
+            }
+            while occupied != 0 {
+                let value = &mut values[word * 64 + occupied.trailing_zeros() as usize];
+                *value = model.updated(*value, true);
+                occupied &= occupied - 1;
+            }
+        }
+    }
+}
+
+/// Which part of a scan's beams is drawn.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Limits {
+    /// A longer beam frees the space up to this range and hits nothing [m].
+    pub max_range_m: Option<f64>,
+    /// Beams that end outside are left out, the others begin where they enter.
+    pub bounds: Option<Bounds>,
+}
+
+/// A box along the axes of the map frame [m].
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Lowest corner.
+    pub low_m: [f32; 3],
+    /// Highest corner.
+    pub high_m: [f32; 3],
+}
+
+impl Bounds {
+    /// Where the beam enters the box; `None` if its end point lies outside.
+    fn entry(&self, origin_m: [f32; 3], end_m: [f32; 3]) -> Option<[f32; 3]> {
+        let mut share = 0.0f32;
+        for axis in 0..3 {
+            let (low, high) = (self.low_m[axis], self.high_m[axis]);
+            if !(low..=high).contains(&end_m[axis]) {
+                return None;
+            }
+            let beam = end_m[axis] - origin_m[axis];
+            let border = if origin_m[axis] < low {
+                low
+            } else if origin_m[axis] > high {
+                high
+            } else {
+                continue;
+            };
+            share = share.max((border - origin_m[axis]) / beam);
+        }
+        Some(std::array::from_fn(|axis| {
+            origin_m[axis] + share * (end_m[axis] - origin_m[axis])
+        }))
+    }
+}
+
+impl OccupancyMap {
+    /// Adds one scan: beams from `origin_m` to each end point, all in the map frame [m].
+    ///
+    /// Beams with an end that is not finite or out of the map's reach are left out. `threads` share the drawing of
+    /// beams; the result does not depend on their number.
+    pub fn insert_scan(
+        &mut self,
+        origin_m: [f32; 3],
+        end_points_m: &[[f32; 3]],
+        limits: &Limits,
+        threads: usize,
+    ) {
+        let lattice = self.lattice;
+        let scan = if threads <= 1 || end_points_m.len() < 4096 {
+            ScanBricks::draw(&lattice, origin_m, end_points_m, limits)
+        } else {
+            end_points_m
+                .par_chunks(end_points_m.len().div_ceil(threads))
+                .map(|beams| ScanBricks::draw(&lattice, origin_m, beams, limits))
+                .reduce_with(ScanBricks::merge)
+                .unwrap_or_default()
+        };
+        let model = self.model;
+        for (key, observed) in &scan.bricks {
+            self.occupancy
+                .change(*key, |brick| observed.apply(brick, &model));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octree::sensor_model::UNKNOWN;
+
+    fn map() -> OccupancyMap {
+        OccupancyMap::new(0.1, SensorModel::thesis())
+    }
+
+    fn stored(map: &OccupancyMap, point: [f32; 3]) -> i8 {
+        map.occupancy.value(map.lattice.voxel(point).unwrap())
+    }
+
+    #[test]
+    fn an_end_point_wins_over_beams_of_the_same_scan() {
+        let mut map = map();
+        let wall = [1.05, 0.05, 0.05];
+        map.insert_scan(
+            [0.05; 3],
+            &[wall, [2.05, 0.05, 0.05], wall],
+            &Limits::default(),
+            1,
+        );
+        assert_eq!(stored(&map, wall), map.model.hit);
+        assert_eq!(stored(&map, [0.55, 0.05, 0.05]), map.model.miss);
+        assert_eq!(stored(&map, [3.05, 0.05, 0.05]), UNKNOWN);
+    }
+
+    #[test]
+    fn a_beam_beyond_the_range_frees_space_and_hits_nothing() {
+        let mut map = map();
+        let limits = Limits {
+            max_range_m: Some(2.0),
+            bounds: None,
+        };
+        map.insert_scan([0.05; 3], &[[5.05, 0.05, 0.05]], &limits, 1);
+        assert_eq!(stored(&map, [1.55, 0.05, 0.05]), map.model.miss);
+        assert_eq!(stored(&map, [2.55, 0.05, 0.05]), UNKNOWN);
+        assert_eq!(stored(&map, [5.05, 0.05, 0.05]), UNKNOWN);
+    }
+
+    #[test]
+    fn threads_draw_the_same_map() {
+        let beams: Vec<[f32; 3]> = (0..20_000)
+            .map(|i| {
+                let angle = i as f32 * 0.01;
+                [4.0 * angle.cos(), 4.0 * angle.sin(), (i % 97) as f32 * 0.03]
+            })
+            .collect();
+        let (mut one, mut two) = (map(), map());
+        for _ in 0..2 {
+            let limits = Limits {
+                max_range_m: Some(10.0),
+                bounds: None,
+            };
+            one.insert_scan([0.01; 3], &beams, &limits, 1);
+            two.insert_scan([0.01; 3], &beams, &limits, 2);
+        }
+        assert_eq!(one.occupancy.sorted_keys(), two.occupancy.sorted_keys());
+        for (key, brick) in one.occupancy.iter() {
+            for offset in 0..VOXELS {
+                assert_eq!(brick.value(offset), two.occupancy.value(key.voxel(offset)));
+            }
+        }
+    }
+
+    #[test]
+    fn beams_that_are_not_numbers_are_left_out() {
+        let mut map = map();
+        map.insert_scan(
+            [0.0; 3],
+            &[[f32::NAN, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0]],
+            &Limits::default(),
+            1,
+        );
+        assert!(map.occupancy.is_empty());
+    }
+}
