@@ -88,8 +88,8 @@ class Problem:
     @property
     def domain(self) -> Domain: ...
     @property
-    def objects(self) -> dict[str, list[str]]:
-        """Objects, the domain's constants first, and the names of their types."""
+    def objects(self) -> dict[str, str]:
+        """Objects, the domain's constants first, and their type, `(either a b)` for several."""
     @property
     def fluents(self) -> dict[tuple[str, ...], float]:
         """Values of numeric fluents at time 0: `{("x", "target_1"): 12.5}`."""

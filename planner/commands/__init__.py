@@ -1,0 +1,1 @@
+"""Commands of the planner; `scenarios.cli` registers them."""
