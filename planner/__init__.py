@@ -23,7 +23,15 @@ from planner.diagnostics import AttachmentError, Diagnostic, InternalError, Pddl
 from planner.outcome import OUTCOMES, Outcome, OutcomeRow
 from planner.plan import Plan, Step
 from planner.reading import InputError, read_domain, read_plan, read_problem
-from planner.solving import Limits, Result, Statistics, UnsupportedError, solve, solve_anytime
+from planner.solving import (
+    Limits,
+    Progress,
+    Result,
+    Statistics,
+    UnsupportedError,
+    solve,
+    solve_anytime,
+)
 from planner.validation import Verdict, validate
 
 __all__ = [
@@ -44,6 +52,7 @@ __all__ = [
     "Plan",
     "PlannerError",
     "Problem",
+    "Progress",
     "Result",
     "State",
     "Statistics",

@@ -88,8 +88,8 @@ class Problem:
     @property
     def domain(self) -> Domain: ...
     @property
-    def objects(self) -> dict[str, str]:
-        """Objects, the domain's constants first, and their type, `(either a b)` for several."""
+    def objects(self) -> dict[str, list[str]]:
+        """Objects, the domain's constants first, and the names of their types."""
     @property
     def fluents(self) -> dict[tuple[str, ...], float]:
         """Values of numeric fluents at time 0: `{("x", "target_1"): 12.5}`."""
@@ -193,6 +193,8 @@ class Search:
     ) -> Search: ...
     def next(self, timeout_s: float) -> Event | None:
         """The next event; None if there was none for that long."""
+    def progress(self) -> tuple[int, float]:
+        """States expanded and plans built so far, and the lower bound."""
     def cancel(self) -> None: ...
 
 def read_domain(text: bytes, name: str) -> tuple[Domain | None, list[Diagnostic]]: ...

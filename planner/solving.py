@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
-from typing import Any
 
 from planner import _core
 from planner._core import Problem
@@ -46,6 +45,16 @@ class Statistics:
 
 
 @dataclass(frozen=True, slots=True)
+class Progress:
+    """What a search has done so far."""
+
+    states: int
+    """States expanded and plans built."""
+    lower_bound: float
+    """No plan is better than this; 0 if nothing is known."""
+
+
+@dataclass(frozen=True, slots=True)
 class Result:
     """How a search ended and what it found."""
 
@@ -85,6 +94,8 @@ class Limits:
     """Memory that searching may hold [MiB]; None is 2048."""
     first_plan_only: bool = False
     """Whether to stop at the first plan."""
+    cpu_timeout_s: float | None = None
+    """CPU time of this process, counted from its start [s]."""
 
     def __post_init__(self) -> None:
         for name, value, least in (
@@ -93,6 +104,7 @@ class Limits:
             ("threads", self.threads, 1),
             ("node_limit", self.node_limit, 1),
             ("memory_limit_mb", self.memory_limit_mb, 1),
+            ("cpu_timeout_s", self.cpu_timeout_s, 0),
         ):
             if value is not None and not value >= least:
                 raise InputError(f"{name} is {value}, but must be at least {least}")
@@ -124,7 +136,7 @@ def solve(
     with, `InternalError` if the planner contradicts itself. Ctrl-C raises KeyboardInterrupt.
     """
     limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
-    plans = _anytime(read_problem(domain, problem), attachments, limits, warm_start, None)
+    plans = improving_plans(read_problem(domain, problem), attachments, limits, warm_start)
     while True:
         try:
             plan = next(plans)
@@ -145,30 +157,28 @@ def solve_anytime(
     threads: int = 1,
     node_limit: int | None = None,
     memory_limit_mb: int | None = None,
-    first_plan_only: bool = False,
     warm_start: Plan | None = None,
-    on_wait: Callable[[], Any] | None = None,
 ) -> Generator[Plan, None, Result]:
     """Improving plans as they are found; the value of StopIteration is the `Result`.
 
     Takes and raises what `solve` does. The search goes on while the caller works with a plan and
-    stops when the iterator is closed or dropped. `on_wait` is called ten times a second while
-    there is no plan; if it returns True, the search stops.
+    stops when the iterator is closed or dropped.
     """
-    limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
-    return _anytime(read_problem(domain, problem), attachments, limits, warm_start, on_wait)
+    limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb)
+    return improving_plans(read_problem(domain, problem), attachments, limits, warm_start)
 
 
-def _anytime(
-    parsed: Problem,
+def improving_plans(
+    problem: Problem,
     attachments: Attachments | None,
     limits: Limits,
-    warm_start: Plan | None,
-    on_wait: Callable[[], Any] | None,
+    warm_start: Plan | None = None,
+    on_wait: Callable[[Progress], object] | None = None,
 ) -> Generator[Plan, None, Result]:
+    """What `solve` and `solve_anytime` do; `on_wait` is called while there is no new plan."""
     begun = time.monotonic()
     search = _core.Search(
-        parsed,
+        problem,
         as_dict(attachments),
         timeout_s=limits.timeout_s,
         seed=limits.seed,
@@ -179,24 +189,37 @@ def _anytime(
         warm_start=None if warm_start is None else tuples_of(warm_start),
     )
     plans: list[Plan] = []
+    cpu_timed_out = False
     try:
         while True:
-            event = search.next(POLL_S)
+            event = search.next(_wait_s(limits))
             if event is None:
-                if on_wait is not None and on_wait():
-                    search.cancel()
+                if on_wait is not None:
+                    on_wait(Progress(*search.progress()))
             elif event.plan is not None:
                 steps, metric, wall_s = event.plan
-                plan = Plan(steps_of(steps), parsed.domain.name, parsed.name, metric)
+                plan = Plan(steps_of(steps), problem.domain.name, problem.name, metric)
                 plan = replace(plan, cpu_s=time.process_time(), wall_s=wall_s)
                 plans.append(plan)
                 yield plan
             elif event.report is not None:
-                return _result(event.report, tuple(plans), time.monotonic() - begun, limits)
+                wall_s = time.monotonic() - begun
+                return _result(event.report, tuple(plans), wall_s, limits, cpu_timed_out)
             else:
                 raise _fault(event)
+            if limits.cpu_timeout_s is not None and time.process_time() >= limits.cpu_timeout_s:
+                cpu_timed_out = True
+                search.cancel()
     finally:
         search.cancel()
+
+
+def _wait_s(limits: Limits) -> float:
+    """How long to wait for the next event: until all threads can have used up the CPU time."""
+    if limits.cpu_timeout_s is None:
+        return POLL_S
+    left_s = limits.cpu_timeout_s - time.process_time()
+    return min(POLL_S, max(0.001, left_s / (limits.threads + 1)))
 
 
 def _fault(event: _core.Event) -> PlannerError:
@@ -208,17 +231,25 @@ def _fault(event: _core.Event) -> PlannerError:
     return InternalError(f"{event.internal}; please report it with the domain and problem")
 
 
-def _result(report: _core.Report, plans: tuple[Plan, ...], wall_s: float, limits: Limits) -> Result:
+def _result(
+    report: _core.Report,
+    plans: tuple[Plan, ...],
+    wall_s: float,
+    limits: Limits,
+    cpu_timed_out: bool,
+) -> Result:
     """The result, with the limit that ended the search in its outcome."""
     outcome = Outcome(report.outcome)
-    if plans:
-        timed_out = limits.timeout_s is not None and wall_s >= limits.timeout_s
-        outcome = {
-            Outcome.TIMED_OUT: Outcome.SOLVED_TIMED_OUT,
-            Outcome.OUT_OF_MEMORY: Outcome.SOLVED_OUT_OF_MEMORY,
-            Outcome.CANCELLED: Outcome.SOLVED_CANCELLED,
-            Outcome.SOLVED: Outcome.SOLVED_TIMED_OUT if timed_out else Outcome.SOLVED,
-        }.get(outcome, outcome)
+    states = report.expansions + report.schedules
+    if cpu_timed_out and outcome is Outcome.CANCELLED:
+        outcome = Outcome.TIMED_OUT
+    elif plans and outcome is Outcome.SOLVED and not limits.first_plan_only:
+        if cpu_timed_out or (limits.timeout_s is not None and wall_s >= limits.timeout_s):
+            outcome = Outcome.SOLVED_TIMED_OUT
+        elif limits.node_limit is not None and states >= limits.node_limit:
+            outcome = Outcome.SOLVED_OUT_OF_MEMORY
+    elif not plans and outcome is Outcome.TIMED_OUT and _out_of_nodes(limits, states, wall_s):
+        outcome = Outcome.OUT_OF_NODES
     statistics = Statistics(
         report.expansions,
         report.evaluations,
@@ -230,3 +261,9 @@ def _result(report: _core.Report, plans: tuple[Plan, ...], wall_s: float, limits
         time.process_time(),
     )
     return Result(outcome, plans, report.lower_bound, statistics)
+
+
+def _out_of_nodes(limits: Limits, states: int, wall_s: float) -> bool:
+    """Whether the node limit ended the search, not the clock."""
+    timed_out = limits.timeout_s is not None and wall_s >= limits.timeout_s
+    return limits.node_limit is not None and states >= limits.node_limit and not timed_out

@@ -10,14 +10,15 @@ from typing import Annotated, Any
 import typer
 
 from planner import _core, gantt
+from planner._core import Problem
 from planner.attachments import Attachments
 from planner.commands.faults import told
 from planner.commands.progress import Display
 from planner.commands.providers import AttachmentProvider, provided
 from planner.memory import peak_mb
 from planner.plan import Plan
-from planner.reading import Problem, read_domain, read_problem
-from planner.solving import Limits, Result, solve_anytime
+from planner.reading import read_domain, read_problem
+from planner.solving import Limits, Result, improving_plans
 
 
 class Engine(StrEnum):
@@ -36,6 +37,7 @@ def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., No
     def plan(
         domain: Annotated[Path, typer.Argument(help="PDDL domain file.")],
         problem: Annotated[Path, typer.Argument(help="PDDL problem file.")],
+        *,
         timeout: Annotated[
             float, typer.Option(help="Seconds to search, 0 for no limit.", min=0)
         ] = 10.0,
@@ -86,7 +88,7 @@ def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., No
                 result = solve_with_peer(engine.value, parsed, attachments, limits.timeout_s)
             else:
                 result = _search(parsed, attachments, limits, plan_file, watch)
-            _write(result, parsed, seed, json_file, svg, html)
+            _write(result, parsed, seed=seed, json_file=json_file, svg=svg, html=html)
         if result.plan is None:
             sys.stderr.write(f"no plan: {result.outcome.row.meaning}\n")
         raise typer.Exit(result.outcome.row.exit_code)
@@ -103,13 +105,7 @@ def _search(
 ) -> Result:
     """Runs our own search; writes every improving plan as soon as it is found."""
     display = Display(every_plan=watch)
-    search = solve_anytime(
-        problem.domain,
-        problem,
-        attachments=attachments,
-        limits=limits,
-        on_wait=display.progress,
-    )
+    search = improving_plans(problem, attachments, limits, on_wait=display.progress)
     count = 0
     try:
         while True:
@@ -128,6 +124,7 @@ def _search(
 def _write(
     result: Result,
     problem: Problem,
+    *,
     seed: int,
     json_file: Path | None,
     svg: Path | None,
@@ -166,4 +163,3 @@ def report(result: Result, seed: int) -> dict[str, Any]:
 
 plan = plan_command()
 """The command for domains without modules."""
-

@@ -14,7 +14,7 @@ def gap(cost: float, bound: float) -> str:
 
 
 class Display:
-    """Writes to stderr: on a terminal a progress line, elsewhere a line for every improving plan."""
+    """Writes to stderr: a progress line on a terminal, elsewhere a line for every plan."""
 
     def __init__(self, stream: TextIO | None = None, *, every_plan: bool = False) -> None:
         self._stream = sys.stderr if stream is None else stream

@@ -26,6 +26,7 @@ def validate_command(provider: AttachmentProvider | None = None) -> Callable[...
         domain: Annotated[Path, typer.Argument(help="PDDL domain file.")],
         problem: Annotated[Path, typer.Argument(help="PDDL problem file.")],
         plan: Annotated[Path, typer.Argument(help="Plan file, `0.0: (a b) [5.0]` a line.")],
+        *,
         tolerance: Annotated[
             float,
             typer.Option("-t", "--tolerance", help="Seconds durations may be off by.", min=0),

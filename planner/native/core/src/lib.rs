@@ -20,6 +20,7 @@ pub mod outcome;
 pub mod pddl;
 pub mod plan;
 pub mod portfolio;
+pub mod progress;
 pub mod solve;
 pub mod syntax;
 pub mod task;

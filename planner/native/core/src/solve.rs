@@ -9,6 +9,7 @@ use crate::outcome::Outcome;
 use crate::pddl::model::{Domain, Problem};
 use crate::plan::Plan;
 use crate::portfolio;
+use crate::progress::Progress;
 use crate::task::Task;
 
 /// What bounds and steers a run.
@@ -30,6 +31,8 @@ pub struct SolveOptions<'a> {
     pub first_plan_only: bool,
     /// The plan in execution, its times counted from now; what is left of it may be the first plan.
     pub warm_start: Option<&'a Plan>,
+    /// Where to tell what has been done so far.
+    pub progress: Option<&'a Progress>,
 }
 
 impl Default for SolveOptions<'_> {
@@ -43,6 +46,7 @@ impl Default for SolveOptions<'_> {
             cancel: None,
             first_plan_only: false,
             warm_start: None,
+            progress: None,
         }
     }
 }

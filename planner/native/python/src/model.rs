@@ -221,17 +221,12 @@ impl Problem {
         self.domain.clone_ref(py)
     }
 
-    /// Objects, the domain's constants first, and the name of their type, `(either a b)` for several.
+    /// Objects, the domain's constants first, and the names of their types.
     #[getter]
     fn objects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let objects = PyDict::new(py);
         for object in &self.model.objects {
             let types = self.domain.get().type_names(&object.types);
-            let types = match types.as_slice() {
-                [] => "object".to_owned(),
-                [only] => only.clone(),
-                several => format!("(either {})", several.join(" ")),
-            };
             objects.set_item(&object.name.text, types)?;
         }
         Ok(objects)

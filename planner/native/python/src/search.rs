@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use planner_core::outcome::Outcome;
 use planner_core::pddl::model;
 use planner_core::plan::Plan;
+use planner_core::progress::Progress;
 use planner_core::solve::{SolveError, SolveOptions, SolveReport, solve};
 use planner_core::validate::{Options, Reason, Validator, Verdict};
 use pyo3::prelude::*;
@@ -79,6 +80,7 @@ enum Message {
 pub struct Search {
     messages: Mutex<Receiver<Message>>,
     cancel: Arc<AtomicBool>,
+    progress: Arc<Progress>,
     attachments: Arc<PythonAttachments>,
 }
 
@@ -113,10 +115,12 @@ impl Search {
             first_plan_only,
             warm_start: warm_start.map(from_tuples),
         };
+        let progress = Arc::new(Progress::default());
         let (sender, messages) = channel();
         let search = Self {
             messages: Mutex::new(messages),
             cancel: Arc::clone(&cancel),
+            progress: Arc::clone(&progress),
             attachments: Arc::clone(&attachments),
         };
         std::thread::Builder::new()
@@ -124,7 +128,17 @@ impl Search {
             .stack_size(16 << 20)
             .spawn(move || {
                 let run = AssertUnwindSafe(|| {
-                    run(&domain, &problem, &attachments, &settings, &cancel, &sender);
+                    run(
+                        &domain,
+                        &problem,
+                        &attachments,
+                        &settings,
+                        Signals {
+                            cancel: &cancel,
+                            progress: &progress,
+                            sender: &sender,
+                        },
+                    );
                 });
                 if let Err(panic) = catch_unwind(run) {
                     let _ = sender.send(Message::Internal(panic_text(panic.as_ref())));
@@ -156,6 +170,11 @@ impl Search {
                 Err(RecvTimeoutError::Timeout) => {}
             }
         }
+    }
+
+    /// States expanded and plans built so far, and the lower bound.
+    fn progress(&self) -> (u64, f64) {
+        (self.progress.states(), self.progress.lower_bound())
     }
 
     /// Asks the search to stop; it does so within 50 ms.
@@ -197,15 +216,27 @@ impl Search {
     }
 }
 
+/// How a search and whoever waits for it talk to each other.
+#[derive(Clone, Copy)]
+struct Signals<'a> {
+    cancel: &'a AtomicBool,
+    progress: &'a Progress,
+    sender: &'a Sender<Message>,
+}
+
 /// Searches, validates every plan before it leaves, and tells how it ended.
 fn run(
     domain: &model::Domain,
     problem: &model::Problem,
     attachments: &PythonAttachments,
     settings: &Settings,
-    cancel: &AtomicBool,
-    sender: &Sender<Message>,
+    signals: Signals<'_>,
 ) {
+    let Signals {
+        cancel,
+        progress,
+        sender,
+    } = signals;
     let begun = Instant::now();
     let defaults = SolveOptions::default();
     let options = SolveOptions {
@@ -217,6 +248,7 @@ fn run(
         cancel: Some(cancel),
         first_plan_only: settings.first_plan_only,
         warm_start: settings.warm_start.as_ref(),
+        progress: Some(progress),
     };
     let validator = Validator::new(domain, problem, attachments);
     let mut rejected = None;

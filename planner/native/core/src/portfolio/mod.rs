@@ -125,6 +125,9 @@ pub fn run(
         if let Some(error) = calls.failure() {
             return Err(error.into());
         }
+        if let Some(progress) = options.progress {
+            progress.tell(search.statistics.expansions, incumbent.report.lower_bound);
+        }
         outcome = match status {
             Status::Exhausted => exhausted(&incumbent, &completeness, search.chose_duration),
             Status::MemoryFull => Outcome::OutOfMemory,
