@@ -5,6 +5,8 @@ checker `[chk ?a]` the static predicate `(chk ?a)`. Where a cost is infinite, th
 value and the predicate `(finite-pathcost ?r ?a ?b)` keeps the action from applying.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal

@@ -1,5 +1,7 @@
 """PDDL as nested lists, for rewriting texts that the reader has accepted."""
 
+from __future__ import annotations
+
 import re
 from typing import TypeAlias
 

@@ -32,8 +32,13 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
         "Missions",
         "Run a benchmark or a suite of missions.",
     ),
-    "plan": ("planner.commands.plan:plan", "Planning", "Solve a PDDL problem."),
-    "validate": ("planner.commands.validate:validate", "Planning", "Check a plan."),
+    "plan": ("scenarios.commands.planning:plan", "Planning", "Solve a PDDL problem."),
+    "validate": ("scenarios.commands.planning:validate", "Planning", "Check a plan."),
+    "compile-attachments": (
+        "scenarios.commands.planning:compile_attachments",
+        "Planning",
+        "Write plain PDDL 2.1 with the attachments' values as fluents.",
+    ),
     "serve": ("service.commands.serve:serve", "Service", "Run the coordination service over HTTP."),
 }
 """command: where it lives, its panel in the help, its line in the help"""
