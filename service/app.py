@@ -6,15 +6,19 @@ from contextlib import asynccontextmanager
 
 from fastapi import FastAPI
 
+from domains import catalogue
 from service import json_body, problem_details
 from service.coordination.coordinator import LoopParameters
 from service.coordination.registry import Missions
 from service.coordination.strategies import all_strategies
+from service.jobs.planning_requests import PlanningRequests
+from service.jobs.process_pool import PoolParameters, ProcessPool
 from service.jobs.threads import PlanningThreads
-from service.routes import health, mission_changes, mission_events, missions
+from service.routes import health, mission_changes, mission_events, missions, plans
 from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
+from service.store.plan_store import PlanStore
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -23,7 +27,16 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        store = EventStore(connect(settings.database_url))
+        engine = connect(settings.database_url)
+        store = EventStore(engine)
+        pool = ProcessPool(
+            PoolParameters(
+                settings.planning_processes,
+                settings.planning_queue,
+                settings.planning_memory_mb,
+            )
+        )
+        app.state.planning_requests = PlanningRequests(PlanStore(engine), pool, catalogue.ROOT)
         planners = PlanningThreads(settings.planning_workers)
         app.state.missions = Missions(
             store,
@@ -34,10 +47,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             max_map_cells=settings.max_map_cells,
         )
         await app.state.missions.restore()
+        await app.state.planning_requests.restore()
         try:
             yield
         finally:
             await app.state.missions.stop()
+            await app.state.planning_requests.close()
+            await pool.close()
             planners.close()
             store.close()
 
@@ -49,9 +65,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     problem_details.install(app)
-    json_body.install_openapi(app, [*missions.BODIES, *mission_changes.BODIES])
+    json_body.install_openapi(app, [*missions.BODIES, *mission_changes.BODIES, *plans.BODIES])
     app.include_router(health.ROUTER)
     app.include_router(missions.ROUTER)
     app.include_router(mission_changes.ROUTER)
     app.include_router(mission_events.ROUTER)
+    app.include_router(plans.ROUTER)
     return app

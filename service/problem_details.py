@@ -20,6 +20,23 @@ class ErrorLocation(BaseModel):
     message: str
 
 
+class Diagnostic(BaseModel):
+    """A finding in a PDDL text; lines and columns count from 1."""
+
+    location: str
+    """JSON pointer to the text in the body."""
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    severity: str
+    code: str
+    message: str
+    remedy: str | None = None
+    rendered: str
+    """The finding with the line concerned and a caret under the fault."""
+
+
 class Problem(BaseModel):
     """The body of every error."""
 
@@ -28,6 +45,7 @@ class Problem(BaseModel):
     status: int
     detail: str
     errors: list[ErrorLocation] | None = None
+    diagnostics: list[Diagnostic] | None = None
 
 
 class ProblemError(Exception):
@@ -47,6 +65,7 @@ class ProblemError(Exception):
         self.detail = detail
         self.errors = list(errors)
         self.headers = headers or {}
+        self.diagnostics: list[Diagnostic] = []
 
     def problem(self) -> Problem:
         """The body that tells it."""
@@ -56,6 +75,7 @@ class ProblemError(Exception):
             status=int(self.status),
             detail=self.detail,
             errors=[ErrorLocation(location=w, message=m) for w, m in self.errors] or None,
+            diagnostics=self.diagnostics[:ERRORS_SHOWN] or None,
         )
 
 

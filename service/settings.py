@@ -14,6 +14,14 @@ class Settings(BaseModel):
     """SQLAlchemy URL of the event log."""
     planning_workers: int = Field(default=2, ge=1)
     """Replans computed at the same time."""
+    planning_processes: int = Field(default=2, ge=1)
+    """Worker processes for planning requests."""
+    planning_queue: int = Field(default=100, ge=0)
+    """Planning requests that wait at most."""
+    planning_memory_mb: int = Field(default=4096, ge=256)
+    """Address space of a worker process [MiB]."""
+    max_pddl_bytes: int = Field(default=2 * 2**20, ge=1024)
+    """Length of a domain or problem text."""
     debounce_s: float = Field(default=0.05, ge=0.0)
     """Facts that arrive within this time share one replan [wall clock]."""
     idle_replan_s: float = Field(default=30.0, gt=0.0)

@@ -41,3 +41,22 @@ EVENTS = Table(
     Column("body", Text, nullable=False),
     UniqueConstraint("mission_id", "number", name="one_event_a_number"),
 )
+
+PLAN_REQUESTS = Table(
+    "plan_requests",
+    METADATA,
+    Column("id", String(40), primary_key=True),
+    Column("client", String(64), nullable=False),
+    Column("status", String(20), nullable=False),
+    Column("created_at", DateTime(timezone=True), nullable=False),
+    Column("body", Text, nullable=False),
+    Index("plan_requests_open", "status"),
+)
+
+PLAN_EVENTS = Table(
+    "plan_events",
+    METADATA,
+    Column("request_id", String(40), ForeignKey("plan_requests.id"), primary_key=True),
+    Column("number", Integer, primary_key=True),
+    Column("body", Text, nullable=False),
+)
