@@ -187,7 +187,9 @@ impl<'a> Search<'a> {
     fn next(&mut self) -> Option<(NodeId, Edge)> {
         let registry = &self.registry;
         let bound = self.bound;
-        let mut stale = |node| registry.is_dead(node) || registry.time(node) >= bound;
+        // Waiting for a timed literal does not lengthen a plan.
+        let timeless = self.compiled.task.timed.is_empty();
+        let mut stale = |node| registry.is_dead(node) || (timeless && registry.time(node) >= bound);
         loop {
             let from_preferred = !self.preferred.is_empty()
                 && (self.all.is_empty() || self.preferred.priority <= self.all.priority);
@@ -288,7 +290,7 @@ impl<'a> Search<'a> {
         if self.parameters.time_weight == 0.0 {
             return estimate;
         }
-        let spent = self.state.last_end() / self.parameters.time_weight;
+        let spent = self.state.last_end().max(self.state.time) / self.parameters.time_weight;
         estimate.saturating_add(spent.min(1e6) as u32)
     }
 

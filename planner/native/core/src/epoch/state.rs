@@ -109,10 +109,12 @@ impl State {
         }
     }
 
-    /// The time at which everything now running has ended [s].
+    /// The time at which everything now running has ended [s]; minus infinity if nothing runs.
     #[must_use]
     pub fn last_end(&self) -> f64 {
-        self.running.last().map_or(self.time, |running| running.end)
+        self.running
+            .last()
+            .map_or(f64::NEG_INFINITY, |running| running.end)
     }
 }
 
@@ -160,10 +162,11 @@ impl<'a> Transitions<'a> {
         )
     }
 
-    /// Whether the goal holds, nothing runs, and no timed literal to come undoes it.
+    /// Whether nothing runs and the goal holds once all timed literals to come have happened; they
+    /// do not lengthen a plan.
     #[must_use]
     pub fn is_goal(&self, state: &State) -> bool {
-        if !state.running.is_empty() || !self.holds(&self.compiled.goal, state, 0.0, None) {
+        if !state.running.is_empty() {
             return false;
         }
         if (state.next_timed as usize) < self.compiled.task.timed.len() {
@@ -175,7 +178,7 @@ impl<'a> Transitions<'a> {
             }
             return self.holds(&self.compiled.goal, &later, 0.0, None);
         }
-        true
+        self.holds(&self.compiled.goal, state, 0.0, None)
     }
 
     /// The duration that an operator gets when started in a state; `longest` asks for the upper
@@ -473,6 +476,7 @@ impl<'a> Transitions<'a> {
             }
         };
         let operator = (id.0 != u32::MAX).then_some(id);
+        let mut written: Vec<(u32, bool)> = Vec::new();
         for (index, effect) in happening.effects.iter().enumerate() {
             if let Some(conditions) = &effect.condition {
                 let remembered = index >= 32 || conditional & (1 << index) != 0;
@@ -487,6 +491,16 @@ impl<'a> Transitions<'a> {
                 Change::Add(fact) => state.set(*fact, true),
                 Change::Delete(fact) => state.set(*fact, false),
                 Change::Assign(assignment, fluent, expression) => {
+                    // One happening may not give a fluent two values; changes by amounts add up.
+                    let additive =
+                        matches!(assignment, Assignment::Increase | Assignment::Decrease);
+                    if written
+                        .iter()
+                        .any(|w| w.0 == fluent.0 && !(w.1 && additive))
+                    {
+                        return false;
+                    }
+                    written.push((fluent.0, additive));
                     let name = || self.name(operator);
                     let snapshot = view.snapshot();
                     let value =

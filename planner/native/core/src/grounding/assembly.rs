@@ -188,7 +188,8 @@ impl Assembly<'_, '_> {
     fn known(&self, atom: AtomId) -> Option<bool> {
         let (predicate, arguments) = &self.reached.symbols.atoms[atom.index()];
         if !self.reached.relations[predicate.index()].contains(arguments) {
-            return Some(false);
+            // A delete of a fact that is never true still interferes with who needs it false.
+            return (!self.touched.contains(&atom)).then_some(false);
         }
         let derived = self.world.domain.predicates[predicate.index()].derived;
         (self.initial.contains(&atom) && !self.touched.contains(&atom) && !derived).then_some(true)
@@ -299,6 +300,9 @@ impl Assembly<'_, '_> {
             if *when == wanted {
                 mentioned(world, condition, false, &mut bindings, &mut atoms);
             }
+        }
+        for (when, effect) in &action.effects {
+            mentioned_by_effect(world, effect, (*when, wanted), &mut bindings, &mut atoms);
         }
         let mut facts: Vec<FactId> = atoms
             .into_iter()
@@ -596,6 +600,46 @@ fn mentioned(
             }
         }
         ConditionKind::Equal(..) | ConditionKind::Compare(..) | ConditionKind::Module(_) => {}
+    }
+}
+
+/// Ground atoms in the conditions of conditional effects, `when` being the effect's time.
+fn mentioned_by_effect(
+    world: &World<'_>,
+    effect: &Effect,
+    (when, wanted): (When, When),
+    bindings: &mut Vec<ObjectId>,
+    atoms: &mut Vec<(PredicateId, Box<[ObjectId]>)>,
+) {
+    match &effect.kind {
+        EffectKind::And(parts) => {
+            for part in parts {
+                mentioned_by_effect(world, part, (when, wanted), bindings, atoms);
+            }
+        }
+        EffectKind::Forall(variables, body) => {
+            for_all_bindings(world, variables, bindings, &mut |bindings| {
+                mentioned_by_effect(world, body, (when, wanted), bindings, atoms);
+            });
+        }
+        EffectKind::When(condition, body) => {
+            if when == wanted {
+                mentioned(world, condition, true, bindings, atoms);
+            }
+            mentioned_by_effect(world, body, (when, wanted), bindings, atoms);
+        }
+        EffectKind::TimedWhen(conditions, body) => {
+            for (time, condition) in conditions {
+                if *time == wanted {
+                    mentioned(world, condition, true, bindings, atoms);
+                }
+            }
+            mentioned_by_effect(world, body, (when, wanted), bindings, atoms);
+        }
+        EffectKind::Add(_)
+        | EffectKind::Delete(_)
+        | EffectKind::Assign(..)
+        | EffectKind::Module(_) => {}
     }
 }
 

@@ -25,6 +25,8 @@ pub struct CriticalPath<'a> {
     relaxed: &'a RelaxedTask,
     time: Vec<f64>,
     open_preconditions: Vec<u32>,
+    /// When the conditions at start and throughout of each action may hold.
+    ready: Vec<f64>,
     queue: BinaryHeap<Reverse<(u64, Proposition)>>,
     /// By goal: when an action that supplies it may have ended.
     finished: Vec<f64>,
@@ -40,6 +42,7 @@ impl<'a> CriticalPath<'a> {
             relaxed,
             time: vec![f64::INFINITY; relaxed.propositions as usize],
             open_preconditions: Vec::new(),
+            ready: vec![0.0; relaxed.actions.len()],
             queue: BinaryHeap::new(),
             finished: vec![f64::INFINITY; relaxed.propositions as usize],
             is_goal: {
@@ -116,10 +119,26 @@ impl<'a> CriticalPath<'a> {
         self.open_preconditions.clear();
         self.open_preconditions
             .extend(relaxed.actions.iter().map(|action| action.preconditions));
+        self.ready.fill(0.0);
         self.queue.clear();
         self.seed(state);
         for &goal in &relaxed.goal {
             self.finished[goal as usize] = self.time[goal as usize];
+        }
+        for event in &self.compiled.task.timed[state.next_timed as usize..] {
+            // What happens by itself does not lengthen a plan.
+            if let Change::Add(fact) = event.change {
+                self.finished[fact.index()] = 0.0;
+            }
+            if let Change::Delete(fact) = event.change
+                && let Ok(at) = relaxed.negations.binary_search_by_key(&fact, |n| n.0)
+            {
+                self.finished[relaxed.negations[at].1 as usize] = 0.0;
+            }
+            if let Change::Assign(..) | Change::Call(_) = event.change {
+                let first = relaxed.first_comparison as usize;
+                self.finished[first..].fill(0.0);
+            }
         }
         for &action in &relaxed.unconditional {
             self.fire(action, 0.0);
@@ -129,7 +148,10 @@ impl<'a> CriticalPath<'a> {
             if time > self.time[proposition as usize] {
                 continue;
             }
-            for &action in relaxed.readers_of(proposition) {
+            for (action, late) in relaxed.timed_readers_of(proposition) {
+                if !late {
+                    self.ready[action as usize] = time;
+                }
                 let open = &mut self.open_preconditions[action as usize];
                 *open -= 1;
                 if *open == 0 {
@@ -137,18 +159,20 @@ impl<'a> CriticalPath<'a> {
                 }
             }
         }
-        let mut latest: f64 = state.last_end() - state.time;
+        let mut latest: f64 = (state.last_end() - state.time).max(0.0);
         for &goal in &relaxed.goal {
             latest = latest.max(self.finished[goal as usize]);
         }
         latest
     }
 
+    /// All conditions of an action may hold at `time`, those at its end the last ones perhaps.
     fn fire(&mut self, index: u32, time: f64) {
         let relaxed = self.relaxed;
+        let ready = self.ready[index as usize];
         let action = &relaxed.actions[index as usize];
         let ends = match self.compiled.operators.get(action.operator.index()) {
-            Some(operator) => time + operator.least_duration,
+            Some(operator) => time.max(ready + operator.least_duration),
             None => time,
         };
         let numeric = action
@@ -156,7 +180,7 @@ impl<'a> CriticalPath<'a> {
             .iter()
             .map(|support| relaxed.first_comparison + support.comparison);
         for proposition in action.adds.iter().copied().chain(numeric) {
-            self.reach(proposition, time + action.delay);
+            self.reach(proposition, time.max(ready + action.delay));
             if self.is_goal[proposition as usize] {
                 let finished = &mut self.finished[proposition as usize];
                 *finished = finished.min(ends);

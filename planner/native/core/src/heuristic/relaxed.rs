@@ -74,6 +74,8 @@ pub struct RelaxedTask {
     pub precondition_offsets: Vec<u32>,
     /// Actions by precondition, one list after the other.
     pub readers: Vec<u32>,
+    /// Parallel to `readers`: whether the precondition is due only when the effects happen.
+    pub late: Vec<bool>,
     /// Where each proposition's list begins, with a last entry for the end.
     pub reader_offsets: Vec<u32>,
     /// Actions without preconditions.
@@ -100,6 +102,20 @@ impl RelaxedTask {
         &self.preconditions[range]
     }
 
+    /// The actions that a proposition is a precondition of, and whether it is due only at their
+    /// effects.
+    pub fn timed_readers_of(
+        &self,
+        proposition: Proposition,
+    ) -> impl Iterator<Item = (u32, bool)> + '_ {
+        let range = self.reader_offsets[proposition as usize] as usize
+            ..self.reader_offsets[proposition as usize + 1] as usize;
+        self.readers[range.clone()]
+            .iter()
+            .copied()
+            .zip(self.late[range].iter().copied())
+    }
+
     /// The actions that a proposition is a precondition of.
     #[inline]
     #[must_use]
@@ -118,6 +134,7 @@ struct Builder<'a> {
     first_comparison: Proposition,
     actions: Vec<RelaxedAction>,
     preconditions: Vec<Vec<Proposition>>,
+    late: Vec<Vec<Proposition>>,
 }
 
 impl<'a> Builder<'a> {
@@ -130,6 +147,7 @@ impl<'a> Builder<'a> {
             first_comparison: 0,
             actions: Vec::new(),
             preconditions: Vec::new(),
+            late: Vec::new(),
         };
         let mut conjunctions: Vec<&Conjunction> = vec![&task.goal];
         for operator in &task.operators {
@@ -263,15 +281,14 @@ impl<'a> Builder<'a> {
             early.extend(during.into_iter().filter(|p| !own.contains(p)));
             let mut late = Vec::new();
             self.propositions(&operator.end_condition, &mut late);
-            let mut whole = early.clone();
-            whole.extend(late.into_iter().filter(|p| !own.contains(p)));
+            late.retain(|p| !own.contains(p) && !early.contains(p));
             let delay = match &operator.duration {
                 Some(Duration::Fixed(value))
                 | Some(Duration::Bounds(GroundExpression::Constant(value), _)) => *value,
                 _ => 0.0,
             };
-            self.effects(id, 0.0, &early, &operator.start_effects);
-            self.effects(id, delay, &whole, &operator.end_effects);
+            self.effects(id, 0.0, &early, &[], &operator.start_effects);
+            self.effects(id, delay, &early, &late, &operator.end_effects);
             let (mut adds, mut numeric) = (Vec::new(), Vec::new());
             for effect in &operator.end_effects {
                 if effect.condition.is_none() {
@@ -287,6 +304,7 @@ impl<'a> Builder<'a> {
                 OperatorId(u32::MAX),
                 0.0,
                 condition,
+                Vec::new(),
                 vec![axiom.head.0],
                 Vec::new(),
             );
@@ -295,6 +313,7 @@ impl<'a> Builder<'a> {
                 self.push(
                     OperatorId(u32::MAX),
                     0.0,
+                    Vec::new(),
                     Vec::new(),
                     vec![negation],
                     Vec::new(),
@@ -312,7 +331,8 @@ impl<'a> Builder<'a> {
         &mut self,
         id: OperatorId,
         delay: f64,
-        conditions: &[Proposition],
+        early: &[Proposition],
+        late: &[Proposition],
         effects: &[GroundEffect],
     ) {
         let (mut adds, mut numeric) = (Vec::new(), Vec::new());
@@ -320,27 +340,31 @@ impl<'a> Builder<'a> {
             match &effect.condition {
                 None => self.effect(&effect.change, &mut adds, &mut numeric),
                 Some(parts) => {
-                    let mut condition = conditions.to_vec();
-                    for part in parts.iter() {
-                        self.propositions(part, &mut condition);
-                    }
+                    let (mut early, mut late) = (early.to_vec(), late.to_vec());
+                    self.propositions(&parts[0], &mut early);
+                    self.propositions(&parts[1], &mut late);
+                    self.propositions(&parts[2], &mut late);
                     let (mut adds, mut numeric) = (Vec::new(), Vec::new());
                     self.effect(&effect.change, &mut adds, &mut numeric);
-                    self.push(id, delay, condition, adds, numeric);
+                    self.push(id, delay, early, late, adds, numeric);
                 }
             }
         }
-        self.push(id, delay, conditions.to_vec(), adds, numeric);
+        self.push(id, delay, early.to_vec(), late.to_vec(), adds, numeric);
     }
 
     fn push(
         &mut self,
         operator: OperatorId,
         delay: f64,
-        mut conditions: Vec<Proposition>,
+        early: Vec<Proposition>,
+        mut late: Vec<Proposition>,
         mut adds: Vec<Proposition>,
         numeric: Vec<NumericSupport>,
     ) {
+        late.retain(|proposition| !early.contains(proposition));
+        let mut conditions = early;
+        conditions.extend_from_slice(&late);
         conditions.sort_unstable();
         conditions.dedup();
         adds.retain(|add| conditions.binary_search(add).is_err());
@@ -355,11 +379,12 @@ impl<'a> Builder<'a> {
             numeric,
         });
         self.preconditions.push(conditions);
+        self.late.push(late);
     }
 
     fn finish(self, goal: Vec<Proposition>, end_adds: Vec<Vec<Proposition>>) -> RelaxedTask {
         let propositions = self.first_comparison as usize + self.comparisons.len();
-        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); propositions];
+        let mut lists: Vec<Vec<(u32, bool)>> = vec![Vec::new(); propositions];
         let mut unconditional = Vec::new();
         let mut flat = Vec::new();
         let mut offsets = vec![0];
@@ -368,15 +393,18 @@ impl<'a> Builder<'a> {
                 unconditional.push(index as u32);
             }
             for &proposition in conditions {
-                lists[proposition as usize].push(index as u32);
+                let late = self.late[index].contains(&proposition);
+                lists[proposition as usize].push((index as u32, late));
                 flat.push(proposition);
             }
             offsets.push(flat.len() as u32);
         }
         let mut readers = Vec::with_capacity(flat.len());
+        let mut late = Vec::with_capacity(flat.len());
         let mut reader_offsets = vec![0];
         for list in lists {
-            readers.extend(list);
+            readers.extend(list.iter().map(|(action, _)| action));
+            late.extend(list.iter().map(|(_, late)| late));
             reader_offsets.push(readers.len() as u32);
         }
         RelaxedTask {
@@ -389,6 +417,7 @@ impl<'a> Builder<'a> {
             preconditions: flat,
             precondition_offsets: offsets,
             readers,
+            late,
             reader_offsets,
             unconditional,
             goal,
