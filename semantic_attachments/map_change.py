@@ -7,7 +7,6 @@ from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from semantic_attachments._core import Traversability
 from semantic_attachments.world import Blockade
@@ -120,6 +119,8 @@ class MapChange:
 
 
 def _with_neighbours(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    from scipy import ndimage  # imported late: it takes longer than a first plan
+
     return np.asarray(ndimage.binary_dilation(cells)) if cells.any() else cells
 
 

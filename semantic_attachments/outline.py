@@ -4,8 +4,6 @@ from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.spatial import ConvexHull
 
 from semantic_attachments._core import Footprint
 from semantic_attachments.grid_map import GridMap
@@ -29,6 +27,8 @@ class Outline:
         """(height, width) obstacles."""
         self.standable = ~solid & ~forbidden
         """(height, width) cells where the reference point may be."""
+        from scipy import ndimage  # imported late: it takes longer than a first plan
+
         padded = np.pad(~solid, 1, constant_values=True)
         distances = ndimage.distance_transform_edt(padded)[1:-1, 1:-1]
         clearance = np.where(solid.any(), distances, np.inf).astype(np.float32)
@@ -69,6 +69,8 @@ class Outline:
 def hull(corners: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
     """(n, 2) corners of the convex hull, counter-clockwise."""
     points = np.array(corners, dtype=np.float64).reshape(-1, 2)
+    from scipy.spatial import ConvexHull  # imported late: it takes longer than a first plan
+
     return np.asarray(points[ConvexHull(points).vertices]) if len(points) else points
 
 

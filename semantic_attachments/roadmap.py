@@ -18,9 +18,6 @@ from math import ceil, e, hypot, inf, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import KDTree
 
 from semantic_attachments._core import Traversability
 from semantic_attachments.grid_map import GridMap, PositionM
@@ -136,6 +133,8 @@ class Roadmap:
         # The nearest by driving are among a few times as many nearest on the map.
         candidates = min(wanted * (1 if dimensions == 2 else 3) + 1, count)
         positions_m = np.array(self._poses)[:, :2]
+        from scipy.spatial import KDTree  # imported late: it takes longer than a first plan
+
         _, near = KDTree(positions_m).query(positions_m[list(vertices)], k=candidates)
         for vertex, others in zip(vertices, np.atleast_2d(near).tolist(), strict=True):
             for outward in (True,) if self._steering.symmetric else (True, False):
@@ -241,6 +240,10 @@ class Roadmap:
             edges = len(self._from)
             weights = self._weights(closed, ends)
             count = len(self._poses)
+            # Imported late: it takes longer than a first plan.
+            from scipy.sparse import csr_array
+            from scipy.sparse.csgraph import dijkstra
+
             graph = csr_array((weights, (self._from, self._to)), shape=(count, count))
             times_s, before, _ = dijkstra(
                 graph, indices=list(first), return_predecessors=True, min_only=True

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from semantic_attachments._core import Traversability
 from semantic_attachments.robot_model import RobotModel
@@ -63,6 +62,8 @@ class RobotClass:
             terrain = np.zeros_like(grid.cells, np.uint8) if grid.terrain is None else grid.terrain
             factors = by_class[terrain]
         if parameters.wall_zone_m > 0 and parameters.wall_slowdown > 1:
+            from scipy import ndimage  # imported late: it takes longer than a first plan
+
             free = grid.cells < OCCUPIED_FROM
             gap_m = ndimage.distance_transform_edt(free) * grid.resolution_m - self.radius_m
             nearness = np.clip(1 - gap_m / parameters.wall_zone_m, 0, 1)
