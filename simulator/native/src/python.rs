@@ -1,5 +1,6 @@
 //! Conversions between NumPy arrays and the kernels; nothing else lives here.
 
+mod floor;
 mod octree;
 
 use pyo3::prelude::*;
@@ -7,6 +8,7 @@ use pyo3::prelude::*;
 /// The extension module `simulator._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<floor::PyFloor>()?;
     module.add_class::<octree::PyOctree>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

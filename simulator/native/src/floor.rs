@@ -1,0 +1,276 @@
+//! A floor plan: a grid of walls with each cell's clearance, in the map frame.
+
+use std::fmt;
+
+use crate::clearance::distances_to_squares;
+
+/// A position in the map frame [m].
+pub type Point = [f64; 2];
+/// Both ends of a straight obstacle in the map frame [m].
+pub type Segment = [Point; 2];
+
+/// How far a leg's clearance may fall short of what `leg_is_clear` was asked for [m].
+pub const LEG_TOLERANCE_M: f64 = 0.01;
+
+/// Walls on a grid; row 0 is the bottom one, whatever lies outside is wall.
+pub struct Floor {
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    /// Edge length of a cell [m].
+    pub resolution_m: f64,
+    /// Lower left corner of cell (0, 0).
+    pub origin_m: Point,
+    occupied: Vec<bool>,
+    clearance_m: Vec<f32>,
+}
+
+/// Cells that do not make a grid.
+#[derive(Debug, PartialEq)]
+pub struct FloorError(String);
+
+impl fmt::Display for FloorError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl Floor {
+    /// Takes `width * height` cells, row-major, `true` where there is a wall.
+    pub fn new(
+        occupied: Vec<bool>,
+        width: usize,
+        height: usize,
+        resolution_m: f64,
+        origin_m: Point,
+    ) -> Result<Self, FloorError> {
+        if occupied.len() != width * height || occupied.is_empty() {
+            return Err(FloorError(format!(
+                "{} cells do not make a grid of {width} x {height}",
+                occupied.len()
+            )));
+        }
+        if !(resolution_m > 0.0 && resolution_m.is_finite()) {
+            return Err(FloorError(format!(
+                "resolution must be positive, not {resolution_m}"
+            )));
+        }
+        let clearance_m = distances_to_squares(&occupied, width, height)
+            .into_iter()
+            .map(|cells| (f64::from(cells) * resolution_m) as f32)
+            .collect();
+        Ok(Self {
+            width,
+            height,
+            resolution_m,
+            origin_m,
+            occupied,
+            clearance_m,
+        })
+    }
+
+    /// Column and row of a position, or None outside.
+    pub fn cell(&self, [x, y]: Point) -> Option<(usize, usize)> {
+        let column = (x - self.origin_m[0]) / self.resolution_m;
+        let row = (y - self.origin_m[1]) / self.resolution_m;
+        let inside =
+            column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
+        inside.then_some((column as usize, row as usize))
+    }
+
+    /// Centre of a cell.
+    pub fn centre(&self, column: usize, row: usize) -> Point {
+        [
+            self.origin_m[0] + (column as f64 + 0.5) * self.resolution_m,
+            self.origin_m[1] + (row as f64 + 0.5) * self.resolution_m,
+        ]
+    }
+
+    /// Whether a cell is wall.
+    pub fn is_occupied(&self, column: usize, row: usize) -> bool {
+        self.occupied[row * self.width + column]
+    }
+
+    /// Distance from a cell's centre to the nearest wall [m].
+    pub fn clearance_at_centre(&self, column: usize, row: usize) -> f64 {
+        f64::from(self.clearance_m[row * self.width + column])
+    }
+
+    /// All cells' clearances, row-major [m].
+    pub fn clearance_m(&self) -> &[f32] {
+        &self.clearance_m
+    }
+
+    /// A distance that certainly is free around a position: quick, and at most a cell too small.
+    pub fn certain_clearance(&self, position: Point) -> f64 {
+        let Some((column, row)) = self.cell(position) else {
+            return 0.0;
+        };
+        let to_centre = distance(position, self.centre(column, row));
+        (self.clearance_at_centre(column, row) - to_centre).max(0.0)
+    }
+
+    /// Exact distance from a position to the nearest wall, or `limit_m` where that is less.
+    pub fn clearance(&self, position: Point, limit_m: f64) -> f64 {
+        let Some((column, row)) = self.cell(position) else {
+            return 0.0;
+        };
+        let to_centre = distance(position, self.centre(column, row));
+        let at_centre = self.clearance_at_centre(column, row);
+        if at_centre - to_centre >= limit_m {
+            return limit_m;
+        }
+        let mut nearest = limit_m.min(at_centre + to_centre);
+        let local = [
+            position[0] - self.origin_m[0],
+            position[1] - self.origin_m[1],
+        ];
+        let (size_x, size_y) = (
+            self.width as f64 * self.resolution_m,
+            self.height as f64 * self.resolution_m,
+        );
+        nearest = nearest
+            .min(local[0])
+            .min(local[1])
+            .min(size_x - local[0])
+            .min(size_y - local[1]);
+        let low = |x: f64| (((x - nearest) / self.resolution_m).floor().max(0.0)) as usize;
+        let high = |x: f64, count: usize| {
+            (((x + nearest) / self.resolution_m).floor().max(0.0) as usize).min(count - 1)
+        };
+        let columns = low(local[0])..=high(local[0], self.width);
+        for row in low(local[1])..=high(local[1], self.height) {
+            let dy = gap(local[1], row, self.resolution_m);
+            for column in columns.clone() {
+                if self.occupied[row * self.width + column] {
+                    nearest = nearest.min(gap(local[0], column, self.resolution_m).hypot(dy));
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Whether a disc may move along a straight leg without touching a wall.
+    pub fn leg_is_clear(&self, from: Point, to: Point, radius_m: f64) -> bool {
+        let length = distance(from, to);
+        let mut travelled = 0.0;
+        loop {
+            let ratio = if length > 0.0 {
+                travelled / length
+            } else {
+                0.0
+            };
+            let at = [
+                from[0] + ratio * (to[0] - from[0]),
+                from[1] + ratio * (to[1] - from[1]),
+            ];
+            let mut free = self.certain_clearance(at) - radius_m;
+            if free < self.resolution_m {
+                free = self.clearance(at, radius_m + self.resolution_m) - radius_m;
+                if free < -1e-9 {
+                    return false;
+                }
+            }
+            if travelled >= length {
+                return true;
+            }
+            travelled = (travelled + free + LEG_TOLERANCE_M).min(length);
+        }
+    }
+}
+
+/// Gap between a coordinate and the interval that a cell covers [m].
+fn gap(coordinate: f64, cell: usize, resolution_m: f64) -> f64 {
+    let low = cell as f64 * resolution_m;
+    (low - coordinate)
+        .max(coordinate - low - resolution_m)
+        .max(0.0)
+}
+
+/// Euclidean distance [m].
+pub fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The point of a segment that is nearest to a position.
+pub fn nearest_on_segment(position: Point, [a, b]: Segment) -> Point {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let squared = along[0] * along[0] + along[1] * along[1];
+    let ratio = if squared > 0.0 {
+        (((position[0] - a[0]) * along[0] + (position[1] - a[1]) * along[1]) / squared)
+            .clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    [a[0] + ratio * along[0], a[1] + ratio * along[1]]
+}
+
+/// Distance between two segments, zero where they cross [m].
+pub fn segment_distance(first: Segment, second: Segment) -> f64 {
+    let side =
+        |[a, b]: Segment, p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let straddles = |of: Segment, ends: Segment| side(of, ends[0]) * side(of, ends[1]) < 0.0;
+    if straddles(first, second) && straddles(second, first) {
+        return 0.0;
+    }
+    let to = |p: Point, segment: Segment| distance(p, nearest_on_segment(p, segment));
+    to(first[0], second)
+        .min(to(first[1], second))
+        .min(to(second[0], first))
+        .min(to(second[1], first))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A floor from a drawing, top row first, `#` is wall.
+    pub(crate) fn drawn(rows: &[&str], resolution_m: f64) -> Floor {
+        let (width, height) = (rows[0].len(), rows.len());
+        let occupied = rows.iter().rev().flat_map(|r| r.bytes()).map(|c| c == b'#');
+        Floor::new(occupied.collect(), width, height, resolution_m, [0.0, 0.0]).unwrap()
+    }
+
+    #[test]
+    fn cells_that_make_no_grid_are_refused() {
+        assert!(Floor::new(vec![false; 5], 2, 3, 0.1, [0.0, 0.0]).is_err());
+        assert!(Floor::new(vec![false; 6], 2, 3, 0.0, [0.0, 0.0]).is_err());
+    }
+
+    #[test]
+    fn a_disc_passes_a_door_that_is_wide_enough() {
+        let floor = drawn(&[".....", ".....", "#...#", ".....", "....."], 0.2);
+        let (below, above) = ([0.5, 0.25], [0.5, 0.75]);
+        assert!(floor.leg_is_clear(below, above, 0.24));
+        assert!(floor.leg_is_clear(below, above, 0.25));
+        assert!(!floor.leg_is_clear(below, above, 0.31));
+    }
+
+    #[test]
+    fn crossing_segments_have_no_distance() {
+        let cross = segment_distance([[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]);
+        assert_eq!(cross, 0.0);
+        let parallel = segment_distance([[0.0, 0.0], [2.0, 0.0]], [[1.0, 1.5], [5.0, 1.5]]);
+        assert!((parallel - 1.5).abs() < 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn clearance_is_the_distance_to_the_nearest_square(
+            bits in prop::collection::vec(prop::bool::weighted(0.1), 144), x in 0.0..2.4_f64, y in 0.0..2.4_f64, limit in 0.1..3.0_f64,
+        ) {
+            let floor = Floor::new(bits.clone(), 12, 12, 0.2, [0.0, 0.0]).unwrap();
+            let border = x.min(y).min(2.4 - x).min(2.4 - y);
+            let truth = (0..144).filter(|&at| bits[at]).map(|at| {
+                let (left, bottom) = ((at % 12) as f64 * 0.2, (at / 12) as f64 * 0.2);
+                let dx = (left - x).max(x - left - 0.2).max(0.0);
+                let dy = (bottom - y).max(y - bottom - 0.2).max(0.0);
+                dx.hypot(dy)
+            }).fold(border, f64::min);
+            prop_assert!((floor.clearance([x, y], limit) - truth.min(limit)).abs() < 1e-6);
+            prop_assert!(floor.certain_clearance([x, y]) <= truth + 1e-6);
+        }
+    }
+}
