@@ -1,13 +1,81 @@
-"""Kernels of the simulator; the modules that wrap them say what they do."""
+"""Native kernels of the simulator."""
 
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+__version__: str
+
+_Point = tuple[float, float]
+_Segment = tuple[float, float, float, float]
+_Disc = tuple[float, float, float]
+
 Constants: TypeAlias = tuple[float, float, float, float, float]
 """Quantum, hit, miss, lowest, highest: log odds."""
 Triple: TypeAlias = tuple[float, float, float]
+
+class Floor:
+    """Walls on a grid, row 0 at the bottom; positions in the map frame [m]."""
+
+    def __init__(self, walls: NDArray[np.bool_], resolution_m: float, origin_m: _Point) -> None: ...
+    def clearance_field(self) -> NDArray[np.float32]: ...
+    def clearance(self, x: float, y: float, limit_m: float) -> float: ...
+    def leg_is_clear(
+        self, from_x: float, from_y: float, to_x: float, to_y: float, radius_m: float
+    ) -> bool: ...
+    def scan(
+        self,
+        x: float,
+        y: float,
+        heading_rad: float,
+        range_m: float,
+        beams: int,
+        blockades: list[_Segment],
+        robots: list[_Disc],
+    ) -> tuple[NDArray[np.float32], list[int]]: ...
+    def route(
+        self,
+        start: _Point,
+        goals: list[_Point],
+        radius_m: float,
+        margin_m: float,
+        comfort_m: float,
+        blockades: list[_Segment],
+        robots: list[_Disc],
+    ) -> list[_Point] | None: ...
+    def approaches(
+        self,
+        obstacle: _Segment,
+        radius_m: float,
+        margin_m: float,
+        reach_m: float,
+        blockades: list[_Segment],
+    ) -> list[_Point]: ...
+    def refuges(
+        self,
+        start: _Point,
+        polyline: list[_Point],
+        apart_m: float,
+        most: int,
+        radius_m: float,
+        margin_m: float,
+        blockades: list[_Segment],
+        robots: list[_Disc],
+    ) -> list[_Point]: ...
+    def timed_route(
+        self,
+        start: _Point,
+        goals: list[_Point],
+        motions: list[tuple[list[_Point], float]],
+        speed_m_s: float,
+        period_s: float,
+        horizon_s: float,
+        radius_m: float,
+        margin_m: float,
+        blockades: list[_Segment],
+        robots: list[_Disc],
+    ) -> list[tuple[float, float, float]] | None: ...
 
 class Octree:
     def __init__(self, resolution_m: float, constants: Constants) -> None: ...

@@ -109,6 +109,17 @@ class Failure:
 
 
 @dataclass(frozen=True, slots=True)
+class Planning:
+    """How much planning the service shall spend on a replan."""
+
+    time_limit_s: float = 0.3
+    node_limit: int | None = None
+    """Search nodes a replan; with it a mission repeats."""
+    margin: float = 0.02
+    """Share of the remaining makespan by which a new plan must be better to replace a valid one."""
+
+
+@dataclass(frozen=True, slots=True)
 class FleetScenario:
     """One mission of one fleet in one building."""
 
@@ -121,6 +132,7 @@ class FleetScenario:
     blockades: tuple[HiddenBlockade, ...] = ()
     domain: str = "disaster"
     strategy: str = "planner"
+    planning: Planning = field(default_factory=Planning)
     seed: int = 0
     dock_duration_s: float = 10.0
     undock_duration_s: float = 10.0

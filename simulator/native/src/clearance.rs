@@ -21,8 +21,8 @@ pub fn distances_to_squares(occupied: &[bool], width: usize, height: usize) -> V
                 0.0
             };
             let squared = gap * gap;
-            for half in 2 * row..=2 * row + 2 {
-                samples[half] = samples[half].min(squared);
+            for sample in &mut samples[2 * row..=2 * row + 2] {
+                *sample = sample.min(squared);
             }
         }
         envelope.build(&samples);

@@ -3,10 +3,9 @@
 pub mod clearance;
 pub mod floor;
 pub mod lattice;
+pub mod octree;
 pub mod raycast;
 pub mod timed_route;
-
-pub mod octree;
 
 #[cfg(feature = "python")]
 mod python;

@@ -1,0 +1,123 @@
+"""Velocities for the next step, and a guard that brakes before anything is touched."""
+
+from __future__ import annotations
+
+import bisect
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from simulator.fleet_scenario import Point
+from simulator.navigation import Navigation, nearest_on_segment
+from simulator.robot import Robot, steer
+from simulator.world import World
+
+_GAP_M = 0.03
+"""the guard's distance to robots and blockades"""
+_WALL_GAP_M = 0.005
+_AHEAD_S = 0.5
+"""how far ahead of its plan a robot that gives way steers"""
+
+
+class Driving:
+    """Drives all robots of a world for one step at a time."""
+
+    def __init__(self, world: World, navigation: Navigation) -> None:
+        self.world = world
+        self.navigation = navigation
+
+    def drive(self, robots: Sequence[Robot], time_s: float, step_s: float) -> None:
+        """Sets every body's velocity; brakes are ideal, so a safe next position is enough."""
+        present = [robot for robot in robots if not robot.is_aboard]
+        near = _neighbours(present)
+        ahead = {robot.id: robot.position for robot in present}
+        for i, robot in enumerate(present):
+            wish = None if robot.is_immovable(time_s) else self._wish(robot, time_s)
+            if wish is None:
+                robot.stalled_s = 0.0
+                self.world.drive(robot.id, (0.0, 0.0), 0.0)
+                continue
+            towards, limit_m_s = wish
+            speed, turn = steer(robot, towards, limit_m_s, step_s)
+            course = robot.heading_rad + 0.5 * turn * step_s
+            direction = (math.cos(course), math.sin(course))
+            speed *= self._safe_share(robot, direction, speed * step_s, near[i], ahead)
+            velocity = (speed * direction[0], speed * direction[1])
+            ahead[robot.id] = (robot.x + velocity[0] * step_s, robot.y + velocity[1] * step_s)
+            moves = speed > 0.02 * robot.kind.speed_m_s or abs(turn) > 0.2
+            robot.stalled_s = 0.0 if moves else robot.stalled_s + step_s
+            self.world.drive(robot.id, velocity, turn)
+
+    def _wish(self, robot: Robot, time_s: float) -> tuple[Point, float] | None:
+        """The point to steer to and the speed limit on the way, or None to stand still."""
+        if robot.timed:
+            return self._timed_carrot(robot, time_s)
+        if len(robot.route) < 2:
+            return None
+        towards, left_m = self.navigation.carrot(robot)
+        return (towards, 5.0 * left_m) if left_m > 0.03 else None
+
+    def _timed_carrot(self, robot: Robot, time_s: float) -> tuple[Point, float] | None:
+        plan = robot.timed
+        last = bisect.bisect_right(plan, time_s + _AHEAD_S, key=lambda p: p[0]) - 1
+        floor, radius_m = self.navigation.floor(robot.kind), robot.kind.radius_m
+        for index in range(max(last, 0), max(last - 12, -1), -1):
+            point = plan[index][1:]
+            if floor.leg_is_clear(*robot.position, *point, radius_m + 0.01):
+                left_m = math.dist(robot.position, point)
+                # As fast as the plan, so that the robot arrives neither early nor late.
+                return (point, 1.1 * left_m / _AHEAD_S) if left_m > 0.05 else None
+        return None
+
+    def _safe_share(
+        self,
+        robot: Robot,
+        direction: Point,
+        far_m: float,
+        near: Sequence[Robot],
+        ahead: dict[str, Point],
+    ) -> float:
+        """The greatest of some shares of a step whose end touches nothing."""
+        for share in (1.0, 0.5, 0.2):
+            step_m = share * far_m
+            after = (robot.x + step_m * direction[0], robot.y + step_m * direction[1])
+            if self._is_safe(robot, after, near, ahead):
+                return share
+        return 0.0
+
+    def _is_safe(
+        self, robot: Robot, after: Point, near: Sequence[Robot], ahead: dict[str, Point]
+    ) -> bool:
+        radius_m = robot.kind.radius_m
+        floor = self.navigation.floor(robot.kind)
+        limit_m = radius_m + _WALL_GAP_M
+        room = floor.clearance(*after, limit_m)
+        if room < limit_m and room < floor.clearance(*robot.position, limit_m):
+            return False
+        for other in near:
+            gap = math.dist(after, ahead[other.id])
+            if gap < radius_m + other.kind.radius_m + _GAP_M and gap < math.dist(
+                robot.position, ahead[other.id]
+            ):
+                return False
+        for blockade in self.world.blockades():
+            gap = math.dist(after, nearest_on_segment(after, blockade.segment_m))
+            if gap < radius_m + _GAP_M and gap < math.dist(
+                robot.position, nearest_on_segment(robot.position, blockade.segment_m)
+            ):
+                return False
+        return True
+
+
+def _neighbours(present: Sequence[Robot], within_m: float = 2.5) -> list[list[Robot]]:
+    """For each robot those close to it."""
+    if len(present) < 2:
+        return [[] for _ in present]
+    at = np.array([robot.position for robot in present])
+    apart = np.abs(at[:, None, :] - at[None, :, :]).max(axis=2)
+    np.fill_diagonal(apart, np.inf)
+    near: list[list[Robot]] = [[] for _ in present]
+    for i, j in np.argwhere(apart < within_m).tolist():
+        near[i].append(present[j])
+    return near

@@ -1,0 +1,300 @@
+"""Carrying out commands: aim, arrive, clear, dock and undock, and saying so once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from simulator.docking import may_dock, meeting_goals, place_beside
+from simulator.fleet_client import Command
+from simulator.fleet_scenario import FleetScenario, Point
+from simulator.navigation import Navigation
+from simulator.robot import Robot
+from simulator.world import World
+
+ARRIVED_M = 0.25
+"""a robot this close to a place is there"""
+_PATIENCE_S = 30.0
+"""how long a robot that cannot move goes on trying before it gives a command up"""
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedAction:
+    """What a robot did, for the Gantt chart."""
+
+    robot: str
+    kind: str
+    location: str | None
+    start_s: float
+    end_s: float
+    outcome: str
+    """finished, failed, replaced or underway (when the simulation ended)"""
+
+
+class Execution:
+    """Turns commands into goals, notices when they are reached, and collects what to report."""
+
+    def __init__(
+        self,
+        scenario: FleetScenario,
+        world: World,
+        navigation: Navigation,
+        robots: Mapping[str, Robot],
+    ) -> None:
+        self.scenario = scenario
+        self.world = world
+        self.navigation = navigation
+        self.robots = robots
+        self.finished: list[dict[str, str]] = []
+        self.failed: list[dict[str, str]] = []
+        self.actions: list[ExecutedAction] = []
+        self.visited: dict[str, float] = {}
+        """target -> time of its first visit [s]"""
+        self.started_busy = False
+        """somebody began what cannot be interrupted, since this was last reset"""
+        self._places: dict[str, Point] = {t.id: t.position_m for t in scenario.targets}
+
+    # --- orders ---
+
+    def assign(self, commands: Iterable[Command], time_s: float) -> None:
+        """Takes over the commands of an answer; one with the same id just goes on."""
+        ordered = set()
+        for command in commands:
+            robot = self.robots.get(command.robot)
+            if robot is None:
+                continue
+            ordered.add(robot.id)
+            same = robot.command is not None and robot.command.id == command.id
+            if not same and not robot.has_failed and not robot.is_busy:
+                self._replace(robot, command, time_s)
+        for robot in self.robots.values():
+            if robot.id not in ordered and not robot.is_busy and not robot.has_failed:
+                self._replace(robot, None, time_s)
+
+    def _replace(self, robot: Robot, command: Command | None, time_s: float) -> None:
+        if not robot.command_over:
+            self._log(robot, time_s, "replaced")
+        robot.command, robot.command_over, robot.began_s = command, command is None, time_s
+        robot.stalled_s = 0.0
+        robot.activity = "docked" if robot.is_aboard else "idle"
+        robot.stop()
+        if command is not None and command.kind == "wait":
+            robot.command_over = True
+        if not robot.command_over:
+            self.aim(robot, time_s)
+
+    def aim(self, robot: Robot, time_s: float) -> None:
+        """Finds the command's goals and a way to them."""
+        command = robot.command
+        if command is None or robot.is_aboard:
+            return
+        robot.goals = self._goals(robot, command)
+        if not robot.goals:
+            self._give_up(robot, time_s, f"nowhere to stand at {command.location}")
+            return
+        robot.activity = "driving"
+        ends_there = bool(command.path_m) and command.path_m[-1] in robot.goals
+        if ends_there and self.navigation.accepts(robot, command.path_m):
+            robot.follow([robot.position, *command.path_m[1:]])
+            return
+        route = self.navigation.route(robot, robot.goals)
+        if route is None:
+            self._give_up(robot, time_s, f"no way to {command.location} for its body")
+        else:
+            robot.follow(route)
+
+    def _goals(self, robot: Robot, command: Command) -> list[Point]:
+        partner = self.robots.get(command.partner or "")
+        if command.kind in ("dock", "undock") and partner is not None:
+            goals = meeting_goals(robot, partner, command, self.navigation)
+            return goals or [robot.position]
+        blockade = self.navigation.known.get(command.location or "")
+        if blockade is not None:
+            if self.navigation.reaches(robot, blockade):
+                return [robot.position]
+            return self.navigation.approaches(robot, blockade)
+        if command.path_m:
+            return [command.path_m[-1]]
+        if command.location in self._places:
+            return [self._places[command.location]]
+        return [robot.position]
+
+    # --- progress ---
+
+    def update(self, time_s: float) -> None:
+        """Ends what is reached or done, begins what can begin."""
+        for robot in self.robots.values():
+            if robot.has_failed or time_s < robot.halted_until_s:
+                continue
+            if robot.is_busy:
+                if time_s >= robot.busy_until_s - 1e-9:
+                    self._end_busy(robot, time_s)
+            elif not robot.command_over and robot.command is not None:
+                self._proceed(robot, robot.command, time_s)
+
+    def _proceed(self, robot: Robot, command: Command, time_s: float) -> None:
+        blockade = self.navigation.known.get(command.location or "")
+        match command.kind:
+            case "clear":
+                if blockade is None:
+                    if any(b.id == command.location for b in self.world.blockades()):
+                        self._give_up(robot, time_s, f"{command.location} has not been sensed")
+                    else:
+                        self._finish(robot, time_s)
+                    return
+                if self.navigation.reaches(robot, blockade):
+                    self._begin_busy(robot, "clearing", time_s, time_s + blockade.clear_duration_s)
+                    return
+            case "dock" | "undock":
+                if self._meet(robot, command, time_s):
+                    return
+            case _:
+                if robot.is_aboard:
+                    self._give_up(robot, time_s, f"it rides on {robot.carrier}")
+                    return
+                if self._has_arrived(robot, command):
+                    if command.kind == "explore" and command.location is not None:
+                        self.visited.setdefault(command.location, time_s)
+                    self._finish(robot, time_s)
+                    return
+        if robot.stalled_s > _PATIENCE_S:
+            self._give_up(robot, time_s, "it cannot get on")
+
+    def _has_arrived(self, robot: Robot, command: Command) -> bool:
+        blockade = self.navigation.known.get(command.location or "")
+        if blockade is not None:
+            return self.navigation.reaches(robot, blockade)
+        return any(math.dist(goal, robot.position) <= ARRIVED_M for goal in robot.goals)
+
+    def _meet(self, robot: Robot, command: Command, time_s: float) -> bool:
+        """Docking and undocking need both robots; True once it is begun, over or given up."""
+        partner = self.robots.get(command.partner or "")
+        if partner is None or partner.has_failed:
+            self._give_up(robot, time_s, f"its partner {command.partner} is not there")
+            return True
+        carrier, rover = (robot, partner) if robot.kind.capacity else (partner, robot)
+        docks = command.kind == "dock"
+        if docks == (rover.carrier == carrier.id):
+            self._finish(robot, time_s)
+            return True
+        if docks and not may_dock(carrier, rover, self.robots.values(), self.navigation):
+            return False
+        if not docks and (
+            carrier.is_busy or (carrier is robot and not self._has_arrived(robot, command))
+        ):
+            return False
+        if not docks and carrier is not robot and carrier.activity == "driving":
+            return False
+        kind, duration_s = (
+            ("docking", self.scenario.dock_duration_s)
+            if docks
+            else ("undocking", self.scenario.undock_duration_s)
+        )
+        for one in (carrier, rover):
+            self._begin_busy(one, kind, time_s, time_s + duration_s)
+        return True
+
+    def _begin_busy(self, robot: Robot, activity: str, time_s: float, until_s: float) -> None:
+        robot.stop()
+        robot.activity, robot.busy_until_s = activity, until_s
+        self.started_busy = True
+        if activity == "clearing":
+            self._log(robot, time_s, "finished", kind="drive")
+            robot.began_s = time_s
+
+    def _end_busy(self, robot: Robot, time_s: float) -> None:
+        activity, command = robot.activity, robot.command
+        robot.activity, robot.busy_until_s = "idle", math.inf
+        if activity == "clearing" and command is not None and command.location is not None:
+            self.world.clear(command.location)
+            self.navigation.known.pop(command.location, None)
+        elif (
+            activity in ("docking", "undocking")
+            and not robot.kind.capacity
+            and not self._change_places(robot, activity)
+        ):
+            self._give_up(robot, time_s, "there is no room beside the carrier")
+            return
+        if not robot.command_over:
+            self._finish(robot, time_s)
+
+    def _change_places(self, rover: Robot, activity: str) -> bool:
+        """Aboard or off board; False if there is no room for the rover."""
+        if activity == "docking":
+            partner = rover.command.partner if rover.command is not None else None
+            carrier = next(
+                r
+                for r in self.robots.values()
+                if r.id == partner
+                or (r.command is not None and r.command.partner == rover.id and r.kind.capacity)
+            )
+            self.world.remove(rover.id)
+            rover.carrier, rover.activity = carrier.id, "docked"
+            return True
+        assert rover.carrier is not None
+        place = place_beside(rover, self.robots[rover.carrier], self.robots, self.navigation)
+        if place is None:
+            rover.activity = "docked"
+            return False
+        rover.x, rover.y = place
+        self.world.place(rover.id, rover.kind.radius_m, rover.pose)
+        rover.carrier = None
+        return True
+
+    def reconsider(self, time_s: float) -> None:
+        """Finds other ways for robots whose routes a newly sensed blockade cuts."""
+        for robot in self.robots.values():
+            if robot.activity != "driving" or robot.command_over or len(robot.route) < 2:
+                continue
+            ahead = [robot.position, *robot.route[robot.leg + 1 :]]
+            if self.navigation.is_blocked(ahead, robot.kind.radius_m):
+                self.aim(robot, time_s)
+
+    # --- endings ---
+
+    def kill(self, robot: Robot, time_s: float) -> None:
+        """The robot dies where it stands; it stays there as an obstacle."""
+        if not robot.command_over:
+            self._log(robot, time_s, "failed")
+        robot.stop()
+        robot.activity, robot.command_over, robot.busy_until_s = "failed", True, math.inf
+        if not robot.is_aboard:
+            self.navigation.standing.append((robot.x, robot.y, robot.kind.radius_m))
+
+    def close(self, time_s: float) -> None:
+        """Writes down what is underway as the simulation ends."""
+        for robot in self.robots.values():
+            if not robot.command_over:
+                self._log(robot, time_s, "underway")
+
+    def _finish(self, robot: Robot, time_s: float) -> None:
+        self._end(robot, time_s, "finished")
+        assert robot.command is not None
+        self.finished.append({"robot": robot.id, "command": robot.command.id})
+
+    def _give_up(self, robot: Robot, time_s: float, reason: str) -> None:
+        self._end(robot, time_s, "failed")
+        assert robot.command is not None
+        self.failed.append(
+            {"robot": robot.id, "command": robot.command.id, "reason": f"path blocked: {reason}"}
+        )
+
+    def _end(self, robot: Robot, time_s: float, outcome: str) -> None:
+        self._log(robot, time_s, outcome)
+        robot.command_over = True
+        robot.activity = "docked" if robot.is_aboard else "idle"
+        robot.stop()
+
+    def _log(self, robot: Robot, time_s: float, outcome: str, kind: str | None = None) -> None:
+        if robot.command is not None and time_s > robot.began_s:
+            self.actions.append(
+                ExecutedAction(
+                    robot.id,
+                    kind or robot.command.kind,
+                    robot.command.location,
+                    robot.began_s,
+                    time_s,
+                    outcome,
+                )
+            )

@@ -1,0 +1,65 @@
+"""What a fleet tells the service when a mission begins: the prior map, without the blockades."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.fleet_scenario import FleetScenario
+from simulator.occupancy_grid import OccupancyGrid
+
+
+def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, Any]:
+    """The body of `POST /v1/missions`."""
+    rows, columns = grid.cells.shape
+    floor_map: dict[str, Any] = {
+        "resolution_m": grid.resolution_m,
+        "origin_m": list(grid.origin_m),
+        "width": columns,
+        "height": rows,
+        "encoding": "zlib+base64",
+        "cells": packed(grid.cells),
+    }
+    if grid.terrain is not None:
+        floor_map["terrain"] = packed(grid.terrain)
+        floor_map["terrain_classes"] = list(grid.terrain_classes)
+    robots = []
+    for robot in scenario.robots:
+        start: dict[str, Any] = {"id": robot.id, "type": robot.type, "pose": list(robot.pose)}
+        if robot.carrier is not None:
+            start["carrier"] = robot.carrier
+        robots.append(start)
+    planning = scenario.planning
+    return {
+        "name": scenario.name,
+        "domain": scenario.domain,
+        "strategy": scenario.strategy,
+        "map": floor_map,
+        "robot_types": {
+            kind.name: {
+                "radius_m": kind.radius_m,
+                "speed_m_s": kind.speed_m_s,
+                "sensor_range_m": kind.sensor_range_m,
+                "enters": list(kind.enters),
+                **({"capacity": kind.capacity} if kind.capacity else {}),
+            }
+            for kind in scenario.robot_types
+        },
+        "robots": robots,
+        "targets": [{"id": t.id, "position_m": list(t.position_m)} for t in scenario.targets],
+        "planning": {
+            "time_limit_s": planning.time_limit_s,
+            "node_limit": planning.node_limit,
+            "margin": planning.margin,
+            "seed": scenario.seed,
+        },
+    }
+
+
+def packed(cells: NDArray[np.int8] | NDArray[np.uint8]) -> str:
+    """Cells row by row from the bottom, zlib and base64."""
+    return base64.b64encode(zlib.compress(np.ascontiguousarray(cells).tobytes(), 6)).decode("ascii")

@@ -1,0 +1,202 @@
+"""Who lets whom pass: windowed prioritised planning among robots that would meet.
+
+Silver, "Cooperative Pathfinding", AIIDE 2005 (WHCA*): in the order of priority each robot keeps its
+motion if it meets nobody before it in the order, and otherwise plans in space and time around
+them (wait, step into a niche, back off, go around). A robot that finds no such motion, for instance
+in a dead end, is moved to the front of the order for a while, so that the other one has to give
+way. Robots that are not on a course of collision just follow their routes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.fleet_scenario import Point
+from simulator.navigation import MARGIN_M, Navigation
+from simulator.robot import Robot
+
+_RANKS = {"clear": 0, "explore": 1, "move": 2, "dock": 3, "undock": 3}
+
+
+@dataclass(frozen=True, slots=True)
+class RightOfWaySettings:
+    """Parameters of the negotiation."""
+
+    period_s: float = 0.4
+    """between the positions of an announced motion"""
+    look_ahead_s: float = 8.0
+    """how early a meeting is foreseen"""
+    window_s: float = 12.0
+    """how far ahead a motion that gives way is planned"""
+    apart_m: float = 0.12
+    """gap between two bodies that planned motions keep"""
+    near_m: float = 14.0
+    """robots further away are no concern"""
+    front_s: float = 10.0
+    """how long a robot that found no way stays at the front of the order"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Before:
+    """The robots before one in the order: what they will do and how far to keep away."""
+
+    robots: tuple[Robot, ...]
+    motions: NDArray[np.float64]
+    """(robots, times, 2)"""
+    apart_m: NDArray[np.float64]
+    """(robots,) between the centres"""
+
+
+class RightOfWay:
+    """Keeps robots from meeting; call `update` twice a second."""
+
+    def __init__(self, navigation: Navigation, settings: RightOfWaySettings | None = None) -> None:
+        self.navigation = navigation
+        self.settings = settings or RightOfWaySettings()
+        self.plans = 0
+        """motions planned to give way"""
+        self.failures = 0
+        """searches that found none"""
+        self._front: dict[str, tuple[float, str]] = {}
+        count = round(self.settings.window_s / self.settings.period_s) + 1
+        self._times = np.arange(count) * self.settings.period_s
+        self._looked = round(self.settings.look_ahead_s / self.settings.period_s) + 1
+
+    def to_front(self, robot: Robot, time_s: float, because_of: str) -> None:
+        """Gives a robot the first right for a while."""
+        self._front[robot.id] = (time_s + self.settings.front_s, because_of)
+
+    def update(self, robots: Sequence[Robot], time_s: float) -> None:
+        """Plans motions that give way where announced motions would meet."""
+        self._front = {name: f for name, f in self._front.items() if time_s < f[0]}
+        for _ in range(3):
+            stuck = self._negotiate(robots, time_s)
+            if not stuck:
+                return
+            for robot, other in stuck:
+                self.to_front(robot, time_s, other)
+
+    def _negotiate(self, robots: Sequence[Robot], time_s: float) -> list[tuple[Robot, str]]:
+        present = [robot for robot in robots if not robot.is_aboard]
+        order = sorted(range(len(present)), key=lambda i: (self._priority(present[i], time_s), i))
+        decided = np.empty((len(present), len(self._times), 2))
+        stuck: list[tuple[Robot, str]] = []
+        for place, i in enumerate(order):
+            robot = present[i]
+            earlier = tuple(present[k] for k in order[:place])
+            gaps = [o.kind.radius_m + robot.kind.radius_m + self.settings.apart_m for o in earlier]
+            before = _Before(earlier, decided[:place], np.array(gaps))
+            opponent = self._first_met(self.announced(robot, time_s), before)
+            if not robot.is_immovable(time_s):
+                if opponent is None:
+                    self._relieve(robot, before, time_s)
+                elif not self._give_way(robot, before, self._goals(robot, present), time_s):
+                    robot.timed = [(time_s, robot.x, robot.y)]
+                    if robot.id not in self._front:
+                        stuck.append((robot, opponent.id))
+            decided[place] = self.announced(robot, time_s)
+        return stuck
+
+    def _priority(self, robot: Robot, time_s: float) -> tuple[float, float, float]:
+        if robot.is_immovable(time_s):
+            return (0, 0, 0)
+        if robot.id in self._front:
+            return (1, self._front[robot.id][0], 0)
+        if robot.command is None or robot.command_over:
+            return (3, 0, 0)
+        return (2, _RANKS.get(robot.command.kind, 4), 0)
+
+    def announced(self, robot: Robot, time_s: float) -> NDArray[np.float64]:
+        """Where a robot will be if nothing intervenes, (times, 2)."""
+        if robot.is_immovable(time_s):
+            return np.tile(np.array(robot.position), (len(self._times), 1))
+        if robot.timed:
+            plan = np.array(robot.timed)
+            motion = np.stack(
+                [np.interp(self._times + time_s, plan[:, 0], plan[:, k]) for k in (1, 2)], axis=1
+            )
+            motion[0] = robot.position
+            return motion
+        points = np.array([robot.position, *robot.route[robot.leg + 1 :]])
+        lengths = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
+        travelled = np.concatenate([[0.0], np.cumsum(lengths)])
+        at = self._times * robot.kind.speed_m_s
+        return np.stack([np.interp(at, travelled, points[:, k]) for k in (0, 1)], axis=1)
+
+    def _first_met(self, motion: NDArray[np.float64], before: _Before) -> Robot | None:
+        """The robot that the motion meets first, if it meets one."""
+        if not before.robots:
+            return None
+        gaps = np.linalg.norm(before.motions[:, : self._looked] - motion[: self._looked], axis=2)
+        # Whoever is too near already meets only by coming nearer.
+        near = np.minimum(0.9 * before.apart_m, gaps[:, 0] - 0.02)
+        meeting = gaps < near[:, None]
+        if not meeting.any():
+            return None
+        first = np.where(meeting.any(axis=1), meeting.argmax(axis=1), self._looked)
+        return before.robots[int(first.argmin())]
+
+    def _relieve(self, robot: Robot, before: _Before, time_s: float) -> None:
+        """Back to a plain route once that meets nobody any more."""
+        if not robot.timed or time_s - robot.timed[0][0] < 1.0:
+            return
+        if not robot.goals:
+            if time_s > robot.timed[-1][0]:
+                robot.timed = []
+            return
+        kept = robot.timed
+        route = self.navigation.route(robot, robot.goals)
+        if route is not None:
+            robot.follow(route)
+            if self._first_met(self.announced(robot, time_s), before) is not None:
+                robot.timed = kept
+
+    def _goals(self, robot: Robot, others: Sequence[Robot]) -> list[Point]:
+        """Where the robot wants to go; an idle one at the front wants out of the other's way."""
+        if robot.goals or robot.id not in self._front:
+            return robot.goals
+        other = next((r for r in others if r.id == self._front[robot.id][1]), None)
+        if other is None:
+            return []
+        way = [other.position, *other.route[other.leg + 1 :]]
+        return self.navigation.floor(robot.kind).refuges(
+            robot.position,
+            way if len(way) > 1 else [*way, *way],
+            robot.kind.radius_m + other.kind.radius_m + 0.2,
+            5,
+            robot.kind.radius_m,
+            MARGIN_M,
+            self.navigation.quads(),
+            self.navigation.standing_but(robot),
+        )
+
+    def _give_way(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
+        """Plans a motion around those before; False if there is none."""
+        self.plans += 1
+        motions = [
+            ([(float(x), float(y)) for x, y in motion], float(gap))
+            for motion, gap in zip(before.motions, before.apart_m, strict=True)
+            if math.dist(motion[0], robot.position) < self.settings.near_m
+        ]
+        plan = self.navigation.floor(robot.kind).timed_route(
+            robot.position,
+            goals,
+            motions,
+            0.9 * robot.kind.speed_m_s,
+            self.settings.period_s,
+            self.settings.window_s,
+            robot.kind.radius_m,
+            MARGIN_M,
+            self.navigation.quads(),
+            self.navigation.standing_but(robot),
+        )
+        if plan is None:
+            self.failures += 1
+            return False
+        robot.timed = [(time_s + t, x, y) for t, x, y in plan]
+        return True

@@ -1,0 +1,97 @@
+"""A simulated robot: its body, what it is doing, and how its drive steers towards a point."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from simulator.fleet_client import Command
+from simulator.fleet_scenario import Point, Pose, RobotType
+
+TimedPoint = tuple[float, float, float]
+"""Time since the mission began [s], x, y [m]."""
+
+
+@dataclass(slots=True)
+class Robot:
+    """State of one robot; poses in the map frame."""
+
+    id: str
+    kind: RobotType
+    x: float
+    y: float
+    heading_rad: float
+    carrier: str | None = None
+    """the robot it rides on"""
+    activity: str = "idle"
+    """one of the fleet protocol's states"""
+    command: Command | None = None
+    command_over: bool = True
+    """the command was finished or given up; the service has not replaced it yet"""
+    began_s: float = 0.0
+    busy_until_s: float = math.inf
+    halted_until_s: float = -math.inf
+    """stands still until then, for a reason of its own"""
+    goals: list[Point] = field(default_factory=list)
+    """where the command ends; any of them will do"""
+    route: list[Point] = field(default_factory=list)
+    leg: int = 0
+    """index of the route's leg being driven: from `route[leg]` to `route[leg + 1]`"""
+    timed: list[TimedPoint] = field(default_factory=list)
+    """a motion that gives way to others, instead of the route"""
+    stalled_s: float = 0.0
+    """how long it has wanted to move and could not"""
+    driven_m: float = 0.0
+
+    @property
+    def position(self) -> Point:
+        """Centre of the body."""
+        return (self.x, self.y)
+
+    @property
+    def pose(self) -> Pose:
+        """Position and heading."""
+        return (self.x, self.y, self.heading_rad)
+
+    @property
+    def is_aboard(self) -> bool:
+        """Whether it rides on a carrier, without a body of its own in the building."""
+        return self.carrier is not None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it is in an action that cannot be interrupted."""
+        return self.activity in ("clearing", "docking", "undocking")
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether it is dead."""
+        return self.activity == "failed"
+
+    def is_immovable(self, time_s: float) -> bool:
+        """Whether others have to get around it."""
+        return self.is_busy or self.has_failed or time_s < self.halted_until_s
+
+    def follow(self, route: list[Point]) -> None:
+        """Takes a new route."""
+        self.route, self.leg, self.timed = route, 0, []
+
+    def stop(self) -> None:
+        """Forgets where it was going."""
+        self.route, self.leg, self.timed, self.goals = [], 0, [], []
+
+
+def wrap(angle_rad: float) -> float:
+    """The same angle between -pi and pi."""
+    return math.remainder(angle_rad, math.tau)
+
+
+def steer(robot: Robot, towards: Point, limit_m_s: float, step_s: float) -> tuple[float, float]:
+    """Speed [m/s] and turn rate [rad/s] of a differential drive: turn to the point, then go."""
+    kind = robot.kind
+    error = wrap(math.atan2(towards[1] - robot.y, towards[0] - robot.x) - robot.heading_rad)
+    turn = max(-kind.turn_rate_rad_s, min(kind.turn_rate_rad_s, error / (3.0 * step_s)))
+    if abs(error) > 0.7:
+        return 0.0, turn
+    speed = min(kind.speed_m_s * math.cos(error) ** 2, limit_m_s)
+    return speed, turn

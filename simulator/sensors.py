@@ -1,0 +1,82 @@
+"""Range finders: what a robot's laser sees of walls, blockades and other robots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator._core import Floor
+from simulator.fleet_scenario import HiddenBlockade
+from simulator.navigation import nearest_on_segment
+from simulator.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """One sweep of a laser range finder, from the robot's pose at that time."""
+
+    robot: str
+    time_s: float
+    pose: tuple[float, float, float]
+    """in the map frame"""
+    range_m: float
+    """the sensor's range: beams that met nothing show it"""
+    ranges_m: NDArray[np.float32]
+    """(beams,) counter-clockwise over the full circle, the first one ahead"""
+    blockades: tuple[str, ...]
+    """those that some beam met, or that the bumper touches"""
+
+
+@dataclass(frozen=True, slots=True)
+class RangeFinder:
+    """Casts the beams of all robots against the same ground truth."""
+
+    floor: Floor
+    """the walls, for every robot the same"""
+    noise_m: float = 0.0
+    """standard deviation of a range"""
+
+    def scan(
+        self,
+        robot: Robot,
+        others: Sequence[Robot],
+        blockades: Sequence[HiddenBlockade],
+        time_s: float,
+        random: np.random.Generator,
+    ) -> Scan:
+        """One sweep; `others` have bodies in the building."""
+        kind = robot.kind
+        reach = kind.sensor_range_m
+        near = [b for b in blockades if _distance(robot, b) <= reach]
+        discs = [
+            (other.x, other.y, other.kind.radius_m)
+            for other in others
+            if other is not robot and math.dist(other.position, robot.position) <= reach + 1.0
+        ]
+        ranges_m, met = self.floor.scan(
+            robot.x,
+            robot.y,
+            robot.heading_rad,
+            reach,
+            kind.beams,
+            [(*b.segment_m[0], *b.segment_m[1]) for b in near],
+            discs,
+        )
+        seen = {near[index].id for index in met}
+        # A bumper: what stands directly before the body is felt even between two beams.
+        seen |= {b.id for b in near if _distance(robot, b) < kind.radius_m + 0.1}
+        if self.noise_m > 0.0:
+            hit = ranges_m < reach
+            noisy = ranges_m + random.normal(0.0, self.noise_m, len(ranges_m)).astype(np.float32)
+            ranges_m = np.where(hit, np.clip(noisy, 0.0, reach), ranges_m).astype(np.float32)
+        return Scan(
+            robot.id, time_s, robot.pose, reach, ranges_m, tuple(b.id for b in near if b.id in seen)
+        )
+
+
+def _distance(robot: Robot, blockade: HiddenBlockade) -> float:
+    return math.dist(robot.position, nearest_on_segment(robot.position, blockade.segment_m))

@@ -1,0 +1,318 @@
+"""A mission from its first report to its end: world, senses, drives and the service's commands."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.clock import Clock
+from simulator.driving import Driving
+from simulator.execution import ExecutedAction, Execution
+from simulator.fleet_client import FleetClient, MissionState
+from simulator.fleet_scenario import FleetScenario, Pose
+from simulator.mission_request import mission_request
+from simulator.navigation import Navigation
+from simulator.occupancy_grid import read_map_server
+from simulator.right_of_way import RightOfWay
+from simulator.robot import Robot
+from simulator.sensors import RangeFinder
+from simulator.world import Contacts, World
+
+_STUCK_AFTER_S = 600.0
+"""nobody has driven or worked for so long, and the service has no order: the team is stuck"""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """A glance at a running simulation."""
+
+    time_s: float
+    status: str
+    targets: int
+    targets_left: int
+    blockades_known: int
+    blockades_cleared: int
+    replans: int
+    poses: dict[str, Pose]
+
+
+@dataclass(frozen=True, slots=True)
+class SimulationResult:
+    """What happened, from the ground truth's point of view."""
+
+    outcome: str
+    """completed, failed, canceled, stuck, or out of time"""
+    time_s: float
+    """simulated time of the mission"""
+    wall_s: float
+    planning_wait_s: float
+    """share of `wall_s` spent waiting for the service"""
+    tracks: dict[str, NDArray[np.float64]]
+    """robot -> (samples, 4): time [s], x [m], y [m], heading [rad]"""
+    actions: tuple[ExecutedAction, ...]
+    visited: dict[str, float]
+    """target -> time of its visit [s]"""
+    sensed: dict[str, float]
+    """blockade -> time it was first sensed [s]"""
+    cleared: dict[str, float]
+    """blockade -> time it was gone [s]"""
+    driven_m: dict[str, float]
+    replans: int
+    reports: int
+    retries: int
+    contacts: Contacts
+    """touches and crossings; all zero in a sound run"""
+    give_ways: int
+    """motions planned to let somebody pass"""
+    give_way_failures: int
+    commands_failed: int
+
+
+class Simulation:
+    """One fleet, one building, one mission; the service is only known through the client."""
+
+    def __init__(self, scenario: FleetScenario, client: FleetClient, step_s: float = 0.05) -> None:
+        self.scenario = scenario
+        self.client = client
+        self.clock = Clock(step_s)
+        self.random = np.random.default_rng(scenario.seed)
+        self.grid = read_map_server(scenario.map_path)
+        self.world = World(self.grid, scenario.blockades)
+        self.navigation = Navigation(self.grid)
+        self.robots = {
+            start.id: Robot(start.id, scenario.type_of(start), *start.pose, carrier=start.carrier)
+            for start in scenario.robots
+        }
+        for robot in self.robots.values():
+            if robot.is_aboard:
+                robot.activity = "docked"
+            else:
+                self.world.place(robot.id, robot.kind.radius_m, robot.pose)
+        self.range_finder = RangeFinder(self.navigation.walls, scenario.noise.laser_range_m)
+        self.execution = Execution(scenario, self.world, self.navigation, self.robots)
+        self.right_of_way = RightOfWay(self.navigation)
+        self.driving = Driving(self.world, self.navigation)
+        self.mission = MissionState("queued", 0, len(scenario.targets), 0)
+        self.result: SimulationResult | None = None
+        """set when `run` has ended"""
+        self._sensed: dict[str, float] = {}
+        self._cleared: dict[str, float] = {}
+        self._unreported: list[str] = []
+        self._reported_s = -math.inf
+        self._reports = 0
+        self._waited_s = 0.0
+        self._active_s = 0.0
+        self._tracks: dict[str, list[tuple[float, float, float, float]]] = {
+            robot: [] for robot in self.robots
+        }
+
+    def run(self) -> Iterator[Progress]:
+        """Runs the mission, yielding every simulated second; `result` holds the outcome after.
+
+        Raises:
+            FleetClientError: the service is out of reach or refuses.
+        """
+        begin_s = time.perf_counter()
+        self.client.create_mission(mission_request(self.scenario, self.grid))
+        self._sense(everyone=True)
+        self._report()
+        yield self.progress()
+        outcome = self._outcome()
+        while outcome is None:
+            self.step()
+            if self.clock.every(1.0):
+                yield self.progress()
+            outcome = self._outcome()
+        self.execution.close(self.clock.time_s)
+        self.result = self._summary(outcome, time.perf_counter() - begin_s)
+        yield self.progress()
+
+    def step(self) -> None:
+        """One step of simulated time."""
+        clock, robots = self.clock, list(self.robots.values())
+        self._break_down()
+        self._sense()
+        self.execution.update(clock.time_s)
+        if clock.every(0.5):
+            self.right_of_way.update(robots, clock.time_s)
+        if clock.every(1.0):
+            self._untangle()
+        self.driving.drive(robots, clock.time_s, clock.step_s)
+        self.world.step(clock.step_s)
+        clock.advance()
+        self._read_poses()
+        self._note_cleared()
+        if clock.every(0.5):
+            self._track()
+        if self._has_news() or clock.time_s - self._reported_s >= self.scenario.report_period_s:
+            self._report()
+
+    def progress(self) -> Progress:
+        """How the mission stands."""
+        return Progress(
+            time_s=self.clock.time_s,
+            status=self.mission.status,
+            targets=len(self.scenario.targets),
+            targets_left=self.mission.targets_left,
+            blockades_known=len(self._sensed),
+            blockades_cleared=len(self._cleared),
+            replans=self.mission.replans,
+            poses={robot.id: robot.pose for robot in self.robots.values()},
+        )
+
+    # --- parts of a step ---
+
+    def _break_down(self) -> None:
+        """Failures and stalls by script."""
+        now_s = self.clock.time_s
+        for failure in self.scenario.failures:
+            if not now_s <= failure.time_s < now_s + self.clock.step_s:
+                continue
+            robot = self.robots[failure.robot]
+            if failure.duration_s is None:
+                self.execution.kill(robot, now_s)
+                self._reported_s = -math.inf
+            else:
+                robot.halted_until_s = now_s + failure.duration_s
+
+    def _sense(self, everyone: bool = False) -> None:
+        """Laser sweeps, spread over the steps of the scan period."""
+        present = [robot for robot in self.robots.values() if not robot.is_aboard]
+        blockades = self.world.blockades()
+        news = False
+        for offset, robot in enumerate(present):
+            if robot.has_failed:
+                continue
+            if not (everyone or self.clock.every(self.scenario.scan_period_s, offset)):
+                continue
+            scan = self.range_finder.scan(robot, present, blockades, self.clock.time_s, self.random)
+            for name in scan.blockades:
+                if name not in self._sensed:
+                    self._sensed[name] = self.clock.time_s
+                    self._unreported.append(name)
+                    self.navigation.known[name] = next(b for b in blockades if b.id == name)
+                    news = True
+        if news:
+            self.execution.reconsider(self.clock.time_s)
+
+    def _untangle(self) -> None:
+        """Robots that want to move and cannot look for another way, then insist on it."""
+        for robot in self.robots.values():
+            if robot.stalled_s < 3.0 or robot.is_immovable(self.clock.time_s):
+                continue
+            if robot.goals:
+                route = self.navigation.route(robot, robot.goals)
+                if route is not None:
+                    robot.follow(route)
+            else:
+                robot.timed = []
+            if robot.stalled_s > 6.0:
+                self.right_of_way.to_front(robot, self.clock.time_s, "")
+
+    def _read_poses(self) -> None:
+        for robot in self.robots.values():
+            if robot.is_aboard:
+                continue
+            x, y, heading_rad = self.world.pose(robot.id)
+            robot.driven_m += math.hypot(x - robot.x, y - robot.y)
+            robot.x, robot.y, robot.heading_rad = x, y, heading_rad
+            if robot.activity == "driving" or robot.is_busy:
+                self._active_s = self.clock.time_s
+        for robot in self.robots.values():
+            if robot.carrier is not None:
+                carrier = self.robots[robot.carrier]
+                robot.x, robot.y, robot.heading_rad = carrier.pose
+
+    def _note_cleared(self) -> None:
+        if len(self._cleared) < len(self._sensed) - len(self.navigation.known):
+            for name in self._sensed:
+                if name not in self.navigation.known and name not in self._cleared:
+                    self._cleared[name] = self.clock.time_s
+
+    def _track(self) -> None:
+        now_s = self.clock.time_s
+        for robot in self.robots.values():
+            self._tracks[robot.id].append((now_s, robot.x, robot.y, robot.heading_rad))
+
+    # --- talking to the service ---
+
+    def _has_news(self) -> bool:
+        execution = self.execution
+        return bool(
+            execution.finished or execution.failed or self._unreported or execution.started_busy
+        )
+
+    def _report(self) -> None:
+        execution, begin_s = self.execution, time.perf_counter()
+        known = {blockade.id: blockade for blockade in self.scenario.blockades}
+        answer = self.client.report(
+            round(self.clock.time_s, 3),
+            [self._robot_report(robot) for robot in self.robots.values()],
+            [
+                {
+                    "id": name,
+                    "segment_m": [list(end) for end in known[name].segment_m],
+                    "clear_duration_s": known[name].clear_duration_s,
+                }
+                for name in self._unreported
+            ],
+            execution.finished,
+            execution.failed,
+        )
+        self._waited_s += time.perf_counter() - begin_s
+        self._unreported = []
+        execution.finished, execution.failed, execution.started_busy = [], [], False
+        self._reports += 1
+        self._reported_s = self.clock.time_s
+        self.mission = answer.mission
+        execution.assign(answer.commands, self.clock.time_s)
+
+    def _robot_report(self, robot: Robot) -> dict[str, object]:
+        report: dict[str, object] = {
+            "id": robot.id,
+            "pose": [round(robot.x, 4), round(robot.y, 4), round(robot.heading_rad, 4)],
+            "state": robot.activity,
+        }
+        if robot.command is not None:
+            report["command"] = robot.command.id
+        if robot.is_busy:
+            report["busy_until_s"] = round(robot.busy_until_s, 3)
+        return report
+
+    # --- the end ---
+
+    def _outcome(self) -> str | None:
+        if self.mission.status in ("completed", "failed", "canceled"):
+            return self.mission.status
+        if self.clock.time_s >= self.scenario.time_limit_s:
+            return "out of time"
+        if self.clock.time_s - self._active_s > _STUCK_AFTER_S:
+            return "stuck"
+        return None
+
+    def _summary(self, outcome: str, wall_s: float) -> SimulationResult:
+        self._track()
+        return SimulationResult(
+            outcome=outcome,
+            time_s=self.clock.time_s,
+            wall_s=wall_s,
+            planning_wait_s=self._waited_s,
+            tracks={robot: np.array(track) for robot, track in self._tracks.items()},
+            actions=tuple(self.execution.actions),
+            visited=dict(self.execution.visited),
+            sensed=dict(self._sensed),
+            cleared=dict(self._cleared),
+            driven_m={robot.id: robot.driven_m for robot in self.robots.values()},
+            replans=self.mission.replans,
+            reports=self._reports,
+            retries=self.client.retries,
+            contacts=self.world.contacts,
+            give_ways=self.right_of_way.plans,
+            give_way_failures=self.right_of_way.failures,
+            commands_failed=sum(action.outcome == "failed" for action in self.execution.actions),
+        )

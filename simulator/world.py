@@ -1,0 +1,174 @@
+"""Ground truth: the building, its hidden blockades and the robots' bodies, moved by pymunk.
+
+Bodies are discs; whoever drives them sets velocities, the physics moves them, keeps them out of
+walls and out of one another, and counts every touch. A robot that drives well is never touched.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+
+from simulator.fleet_scenario import HiddenBlockade, Pose, ScenarioError, Segment
+from simulator.occupancy_grid import OccupancyGrid
+
+_ROBOT, _WALL, _BLOCKADE = 1, 2, 3
+_BLOCKADE_HALF_WIDTH_M = 0.02
+
+
+@dataclass(slots=True)
+class Contacts:
+    """How often a robot came to touch something, and to cross what it must not."""
+
+    wall: int = 0
+    robot: int = 0
+    blockade: int = 0
+    crossings: int = 0
+    """moves from one side of an uncleared blockade to the other"""
+
+
+class World:
+    """A pymunk space with the walls of a grid, blockades and robots."""
+
+    def __init__(self, grid: OccupancyGrid, blockades: tuple[HiddenBlockade, ...]) -> None:
+        self.grid = grid
+        self.contacts = Contacts()
+        self._space = pymunk.Space()
+        self._space.collision_slop = 1e-4
+        self._bodies: dict[str, pymunk.Body] = {}
+        self._blockades: dict[str, tuple[HiddenBlockade, pymunk.Segment]] = {}
+        self._segments = np.zeros((0, 4))
+        for segment in wall_segments(grid.walls(), grid.resolution_m, grid.origin_m):
+            self._add_static(segment, 0.0, _WALL)
+        for blockade in blockades:
+            shape = self._add_static(blockade.segment_m, _BLOCKADE_HALF_WIDTH_M, _BLOCKADE)
+            self._blockades[blockade.id] = (blockade, shape)
+        self._index_blockades()
+        for other, name in ((_WALL, "wall"), (_ROBOT, "robot"), (_BLOCKADE, "blockade")):
+            self._space.on_collision(_ROBOT, other, begin=self._count, data=name)
+
+    def _count(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: str) -> None:
+        del arbiter, space
+        setattr(self.contacts, data, getattr(self.contacts, data) + 1)
+
+    def _add_static(self, segment: Segment, half_width_m: float, kind: int) -> pymunk.Segment:
+        shape = pymunk.Segment(self._space.static_body, *segment, half_width_m)
+        shape.collision_type = kind
+        shape.friction = 0.0
+        self._space.add(shape)
+        return shape
+
+    def _index_blockades(self) -> None:
+        quads = [(*b.segment_m[0], *b.segment_m[1]) for b, _ in self._blockades.values()]
+        self._segments = np.array(quads, dtype=np.float64).reshape(-1, 4)
+
+    def place(self, robot: str, radius_m: float, pose: Pose) -> None:
+        """Puts a robot's body into the building.
+
+        Raises:
+            ScenarioError: it would stand in a wall, in a blockade or in another robot.
+        """
+        body = pymunk.Body(1.0, pymunk.moment_for_circle(1.0, 0.0, radius_m))
+        body.position, body.angle = pose[:2], pose[2]
+        shape = pymunk.Circle(body, radius_m)
+        shape.collision_type = _ROBOT
+        shape.friction = 0.0
+        touched = self._space.shape_query(shape)
+        column = int((pose[0] - self.grid.origin_m[0]) // self.grid.resolution_m)
+        row = int((pose[1] - self.grid.origin_m[1]) // self.grid.resolution_m)
+        rows, columns = self.grid.cells.shape
+        inside = 0 <= row < rows and 0 <= column < columns
+        if touched or not inside or bool(self.grid.walls()[row, column]):
+            raise ScenarioError(
+                f"robot {robot!r} cannot stand at ({pose[0]:.2f}, {pose[1]:.2f}): a wall, "
+                f"a blockade or another robot is closer than its radius of {radius_m} m; "
+                "move its start"
+            )
+        self._space.add(body, shape)
+        self._bodies[robot] = body
+
+    def remove(self, robot: str) -> None:
+        """Takes a robot's body out, as it rides on another one from now on."""
+        body = self._bodies.pop(robot)
+        self._space.remove(body, *body.shapes)
+
+    def drive(self, robot: str, velocity_m_s: tuple[float, float], turn_rad_s: float) -> None:
+        """Sets a robot's velocity in the map frame until the next call."""
+        body = self._bodies[robot]
+        body.velocity = velocity_m_s
+        body.angular_velocity = turn_rad_s
+
+    def step(self, step_s: float) -> None:
+        """Moves everything on; counts touches and crossings."""
+        before = self._positions()
+        self._space.step(step_s)
+        if len(before) and len(self._segments):
+            self.contacts.crossings += crossings(before, self._positions(), self._segments)
+
+    def _positions(self) -> NDArray[np.float64]:
+        at = [tuple(body.position) for body in self._bodies.values()]
+        return np.array(at, dtype=np.float64).reshape(-1, 2)
+
+    def pose(self, robot: str) -> Pose:
+        """Where a robot truly is."""
+        body = self._bodies[robot]
+        x, y = body.position
+        return (x, y, body.angle)
+
+    def blockades(self) -> tuple[HiddenBlockade, ...]:
+        """Those that stand."""
+        return tuple(blockade for blockade, _ in self._blockades.values())
+
+    def clear(self, blockade: str) -> None:
+        """Removes a blockade; nothing happens if it is gone already."""
+        if blockade in self._blockades:
+            _, shape = self._blockades.pop(blockade)
+            self._space.remove(shape)
+            self._index_blockades()
+
+
+def wall_segments(
+    walls: NDArray[np.bool_], resolution_m: float, origin_m: tuple[float, float]
+) -> list[Segment]:
+    """The outline of the walls towards free space, straight runs merged into one segment each."""
+    free = np.pad(~walls, 1)
+    horizontal = free[1:, 1:-1] != free[:-1, 1:-1]
+    vertical = free[1:-1, 1:] != free[1:-1, :-1]
+    x0, y0 = origin_m
+    segments: list[Segment] = []
+    for row, start, end in _runs(horizontal):
+        y = y0 + row * resolution_m
+        segments.append(((x0 + start * resolution_m, y), (x0 + end * resolution_m, y)))
+    for column, start, end in _runs(vertical.T):
+        x = x0 + column * resolution_m
+        segments.append(((x, y0 + start * resolution_m), (x, y0 + end * resolution_m)))
+    return segments
+
+
+def _runs(edges: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    """(line, start, end) of every run of True along the second axis."""
+    padded = np.pad(edges, ((0, 0), (1, 1))).astype(np.int8)
+    change = np.diff(padded, axis=1)
+    lines, starts = np.nonzero(change == 1)
+    _, ends = np.nonzero(change == -1)
+    return list(zip(lines.tolist(), starts.tolist(), ends.tolist(), strict=True))
+
+
+def crossings(
+    before: NDArray[np.float64], after: NDArray[np.float64], segments: NDArray[np.float64]
+) -> int:
+    """How many of the moves (robots, 2) -> (robots, 2) cross one of the segments (n, 4)."""
+    a, b = segments[None, :, :2], segments[None, :, 2:]
+    p, q = before[:, None, :], after[:, None, :]
+
+    def side(
+        o: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        u, v = u - o, v - o
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+    apart = (side(a, b, p) * side(a, b, q) < 0) & (side(p, q, a) * side(p, q, b) < 0)
+    return int(apart.sum())

@@ -1,0 +1,98 @@
+"""A small dispatcher that speaks the service's side of the fleet protocol, for tests of the fleet.
+
+Explorers take the nearest target that nobody else has, clearers the nearest blockade; what was
+reported as blocked is tried again once something has been cleared. It plans no paths: the robots
+find
+their own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import httpx
+
+
+class Dispatcher:
+    """State of one mission; `client` speaks to it as if over a network."""
+
+    def __init__(self) -> None:
+        self.request: dict[str, Any] = {}
+        self.reports: list[dict[str, Any]] = []
+        self.unvisited: dict[str, list[float]] = {}
+        self.blockades: dict[str, dict[str, Any]] = {}
+        self.commands: dict[str, dict[str, Any]] = {}
+        self.blocked: set[tuple[str, str]] = set()
+        self.revision = 0
+
+    def client(self) -> httpx.Client:
+        return httpx.Client(
+            transport=httpx.MockTransport(self.handle), base_url="http://dispatcher"
+        )
+
+    def handle(self, request: httpx.Request) -> httpx.Response:
+        body = json.loads(request.content) if request.content else {}
+        if request.url.path == "/v1/missions":
+            self.request = body
+            self.unvisited = {t["id"]: t["position_m"] for t in body["targets"]}
+            return httpx.Response(201, json={"id": "mission_1"})
+        self.reports.append(body)
+        self.take_in(body)
+        return httpx.Response(200, json=self.answer(body))
+
+    def take_in(self, report: dict[str, Any]) -> None:
+        for blockade in report["blockades"]:
+            self.blockades[blockade["id"]] = blockade
+        for finished in report["finished"]:
+            command = self.commands.pop(finished["robot"])
+            assert command["id"] == finished["command"]
+            if command["kind"] == "explore":
+                self.unvisited.pop(command["location"], None)
+            elif command["kind"] == "clear":
+                self.blockades.pop(command["location"])
+                self.blocked.clear()
+        for failed in report["failed"]:
+            command = self.commands.pop(failed["robot"])
+            self.blocked.add((failed["robot"], command["location"]))
+
+    def answer(self, report: dict[str, Any]) -> dict[str, Any]:
+        for robot in report["robots"]:
+            if robot["id"] not in self.commands and robot["state"] != "failed":
+                self.order(robot)
+        return {
+            "mission": {
+                "id": "mission_1",
+                "status": "underway" if self.unvisited else "completed",
+                "revision": self.revision,
+                "sequence": report["sequence"],
+                "targets_left": len(self.unvisited),
+                "replans": self.revision,
+            },
+            "commands": list(self.commands.values()),
+        }
+
+    def order(self, robot: dict[str, Any]) -> None:
+        taken = {command["location"] for command in self.commands.values()}
+        if robot["id"].startswith("clearer"):
+            kind = "clear"
+            places = {
+                name: [sum(axis) / 2 for axis in zip(*b["segment_m"], strict=True)]
+                for name, b in self.blockades.items()
+            }
+        else:
+            kind, places = "explore", self.unvisited
+        free = {
+            name: math.dist(place, robot["pose"][:2])
+            for name, place in places.items()
+            if name not in taken and (robot["id"], name) not in self.blocked
+        }
+        if free:
+            self.revision += 1
+            self.commands[robot["id"]] = {
+                "id": f"r{self.revision}-{robot['id']}",
+                "robot": robot["id"],
+                "kind": kind,
+                "location": min(free, key=lambda name: (free[name], name)),
+            }
