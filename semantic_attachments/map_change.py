@@ -72,12 +72,16 @@ class MapChange:
         return cls(_with_neighbours(closed), _with_neighbours(opened))
 
     def touches(
-        self, legs: Sequence[tuple[int, int, Measured]], snap_limit_cells: float
+        self,
+        legs: Sequence[tuple[int, int, Measured]],
+        snap_limit_cells: float,
+        *,
+        any_angle: bool = False,
     ) -> NDArray[np.bool_]:
         """(n,) whether each (first cell, second cell, leg) may have another shortest path now."""
         if not legs:
             return np.zeros(0, dtype=bool)
-        touched = self._crosses(legs) | self._may_shorten(legs)
+        touched = self._crosses(legs) | self._may_shorten(legs, any_angle)
         changed = self.closed | self.opened
         reach = int(snap_limit_cells) + 2
         for index, (first, second, leg) in enumerate(legs):
@@ -95,7 +99,9 @@ class MapChange:
         hits = np.concatenate([[0], np.cumsum(self.closed.ravel()[np.concatenate(paths)])])
         return np.asarray(np.diff(np.concatenate([[0], hits[ends]])) > 0)
 
-    def _may_shorten(self, legs: Sequence[tuple[int, int, Measured]]) -> NDArray[np.bool_]:
+    def _may_shorten(
+        self, legs: Sequence[tuple[int, int, Measured]], any_angle: bool
+    ) -> NDArray[np.bool_]:
         cells = np.flatnonzero(self.opened)
         if cells.size == 0:
             return np.zeros(len(legs), dtype=bool)
@@ -110,8 +116,12 @@ class MapChange:
         else:
             rows_away = np.abs(place_rows[:, None] - rows)
             columns_away = np.abs(place_columns[:, None] - columns)
-        most, least = np.maximum(rows_away, columns_away), np.minimum(rows_away, columns_away)
-        away = most + (sqrt(2) - 1) * least
+        if any_angle:
+            # Lines may pass opened cells and their neighbours off their centres.
+            away = np.maximum(np.hypot(rows_away, columns_away) - 1, 0.0)
+        else:
+            most, least = np.maximum(rows_away, columns_away), np.minimum(rows_away, columns_away)
+            away = most + (sqrt(2) - 1) * least
         detours = np.array(
             [np.min(away[number[first]] + away[number[second]]) for first, second, _ in legs]
         )

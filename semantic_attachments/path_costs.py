@@ -10,45 +10,18 @@ or if opened cells lie where a shorter path could run (no octile path through th
 
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf, isfinite
 from threading import RLock
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semantic_attachments._core import Field, Traversability
 from semantic_attachments.contract import EvaluationError
+from semantic_attachments.legs import Layer, Pair, Place, ordered
 from semantic_attachments.map_change import MapChange
 from semantic_attachments.robot_class import GridParameters, RobotClass, fastest_m_s
-from semantic_attachments.world import Blockade, GridMap, Location, World
-
-FIELD_MEMORY_BYTES = 256 * 2**20
-"""Fields of one class of robots are dropped, oldest first, above this memory."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A location as paths see it: a cell, and the blockade that is open there."""
-
-    cell: int
-    blockade: Blockade | None
-
-
-Pair = tuple[Place, Place]
-
-
-@dataclass(frozen=True, slots=True)
-class Leg:
-    """The shortest path of a pair."""
-
-    length: float
-    """In cells times multiplier; infinite where there is no way."""
-    path: NDArray[np.uint32]
-    """(n,) cells from the first place to the second, those on which the robot can stand."""
-    snapped: tuple[bool, bool]
-    """Whether each end is too near to an obstacle to stand on, so that the path begins beside
-    it."""
+from semantic_attachments.world import GridMap, Location, World
 
 
 @dataclass(slots=True)
@@ -63,25 +36,6 @@ class Statistics:
     """Pairs that a change of the map could touch."""
 
 
-@dataclass(slots=True)
-class Layer:
-    """The map of one class of robots and what was computed on it."""
-
-    traversability: Traversability
-    blockades: tuple[Blockade, ...]
-    snap_limit_cells: float
-    """How far from its place a path may begin: out of a robot's own inflation and some cells."""
-    fields: "OrderedDict[tuple[int, Blockade | None], Field]" = field(default_factory=OrderedDict)
-    legs: dict[Pair, Leg] = field(default_factory=dict)
-    roomy: Traversability | None = None
-    """The same with half a cell more room, for straight lines between cell centres."""
-
-    def opened(self, *places: Place) -> list[int]:
-        """Numbers of the blockades that are open at places."""
-        known = {place.blockade for place in places if place.blockade is not None}
-        return [index for index, blockade in enumerate(self.blockades) if blockade in known]
-
-
 class PathCosts:
     """Evaluator of `pathCost(robot, from, to)` in seconds; may be asked by several threads."""
 
@@ -91,6 +45,10 @@ class PathCosts:
         self.statistics = Statistics()
         self._layers: dict[RobotClass, Layer] = {}
         self._lock = RLock()
+        self._classes = {
+            name: (RobotClass.of(model, world.grid, self.parameters), fastest_m_s(model))
+            for name, model in world.robots.items()
+        }
         self._places = {
             name: self._place(location) for name, location in sorted(world.locations.items())
         }
@@ -127,10 +85,10 @@ class PathCosts:
                 robot_class, speed_m_s, start, goal = self._resolve(call)
                 resolved.append((robot_class, speed_m_s, start, goal))
                 if start is not None and goal is not None and start != goal:
-                    wanted.setdefault(robot_class, {})[_ordered(start, goal)] = None
+                    wanted.setdefault(robot_class, {})[ordered(start, goal)] = None
             for robot_class, pairs in wanted.items():
                 layer = self._layer(robot_class)
-                self._compute(layer, [pair for pair in pairs if pair not in layer.legs])
+                self._count(layer, pairs)
             return [self._duration_s(*entry) for entry in resolved]
 
     def path(self, robot: str, start: str, goal: str) -> NDArray[np.float64]:
@@ -146,9 +104,8 @@ class PathCosts:
             if first == last:
                 return np.array(ends)
             layer = self._layer(robot_class)
-            pair = _ordered(first, last)
-            if pair not in layer.legs:
-                self._compute(layer, [pair])
+            pair = ordered(first, last)
+            self._count(layer, [pair])
             leg = layer.legs[pair]
             if not isfinite(leg.length):
                 return np.empty((0, 2))
@@ -170,8 +127,7 @@ class PathCosts:
 
     def length_m(self, robot: str, start: str, goal: str) -> float:
         """Length of the shortest path [m], as if driven at the robot's fastest speed throughout."""
-        speed_m_s = fastest_m_s(self.world.robots[robot])
-        return self(robot, start, goal) * speed_m_s
+        return self(robot, start, goal) * self._classes[robot][1]
 
     def _resolve(
         self, call: tuple[str, ...]
@@ -179,14 +135,12 @@ class PathCosts:
         if len(call) != 3:
             raise EvaluationError(f"pathCost takes a robot and two locations, not {call}")
         robot, start, goal = call
-        model = self.world.robots.get(robot)
-        if model is None:
+        if robot not in self._classes:
             raise EvaluationError(f"the world has no robot {robot!r}")
         for name in (start, goal):
             if name not in self._places:
                 raise EvaluationError(f"the world has no location {name!r}")
-        robot_class = RobotClass.of(model, self.world.grid, self.parameters)
-        return robot_class, fastest_m_s(model), self._places[start], self._places[goal]
+        return *self._classes[robot], self._places[start], self._places[goal]
 
     def _place(self, location: Location) -> Place | None:
         cell = self.world.grid.cell_at(location.position_m)
@@ -202,7 +156,7 @@ class PathCosts:
             return inf
         if start == goal:
             return 0.0
-        length = self._layers[robot_class].legs[_ordered(start, goal)].length
+        length = self._layers[robot_class].legs[ordered(start, goal)].length
         # Nanoseconds: the sum of a path's steps depends on their order, that is on its end, in the
         # last bits.
         return round(length * self.world.grid.resolution_m / speed_m_s, 9)
@@ -215,9 +169,15 @@ class PathCosts:
                 robot_class.traversability(self.world.grid, blockades, self.parameters),
                 blockades,
                 snap_limit_cells=1.5 * robot_class.radius_m / self.world.grid.resolution_m + 3.0,
+                any_angle=self.parameters.any_angle,
             )
             self._layers[robot_class] = layer
         return layer
+
+    def _count(self, layer: Layer, pairs: Iterable[Pair]) -> None:
+        before = layer.grown
+        layer.compute(pairs)
+        self.statistics.fields += layer.grown - before
 
     def _take_over(self, robot_class: RobotClass, old: Layer, before: GridMap) -> Layer:
         new = self._layer(robot_class)
@@ -231,6 +191,7 @@ class PathCosts:
         )
         if change is None:
             new.fields = OrderedDict(old.fields)
+            new.lines = OrderedDict(old.lines)
             new.roomy = old.roomy
         places = {place for place in self._places.values() if place is not None}
         legs = {
@@ -240,6 +201,7 @@ class PathCosts:
             touched = change.touches(
                 [(pair[0].cell, pair[1].cell, leg) for pair, leg in legs.items()],
                 new.snap_limit_cells,
+                any_angle=self.parameters.any_angle,
             )
             self.statistics.forgotten += int(touched.sum())
             legs = {
@@ -248,74 +210,3 @@ class PathCosts:
         self.statistics.kept += len(legs)
         new.legs = legs
         return new
-
-    def _compute(self, layer: Layer, pairs: Iterable[Pair]) -> None:
-        """Computes pairs from as few sources as a greedy vertex cover finds."""
-        partners: dict[Place, dict[Place, None]] = {}
-        for first, second in pairs:
-            partners.setdefault(first, {})[second] = None
-            partners.setdefault(second, {})[first] = None
-        grown = [place for place in partners if self._field_key(layer, place) in layer.fields]
-        while partners:
-            source = grown.pop() if grown else max(partners, key=lambda place: len(partners[place]))
-            for goal in partners.pop(source, {}):
-                partners[goal].pop(source)
-                if not partners[goal]:
-                    del partners[goal]
-                leg = self._leg(layer, source, goal)
-                pair = _ordered(source, goal)
-                if pair[0] != source:
-                    leg = Leg(leg.length, leg.path[::-1], (leg.snapped[1], leg.snapped[0]))
-                layer.legs[pair] = leg
-            grown = [place for place in grown if place in partners]
-
-    def _leg(self, layer: Layer, source: Place, goal: Place) -> Leg:
-        map_, limit = layer.traversability, layer.snap_limit_cells
-        opened = layer.opened(source, goal)
-        start = map_.nearest(source.cell, opened, limit)
-        end = map_.nearest(goal.cell, opened, limit)
-        snapped = (
-            start is None or start[0] != source.cell,
-            end is None or end[0] != goal.cell,
-        )
-        nowhere = np.empty(0, dtype=np.uint32)
-        if start is None or end is None:
-            return Leg(inf, nowhere, snapped)
-        key = self._field_key(layer, source)
-        if goal.blockade is None or goal.blockade == source.blockade:
-            tree = self._field(layer, start[0], source.blockade, opened)
-            length, path = tree.distance(end[0]), tree.path_to(end[0])
-        elif key is not None and key[0] == start[0]:
-            tree = self._field(layer, start[0], source.blockade, layer.opened(source))
-            length, path = map_.reach(tree, end[0], opened)
-        else:
-            # The robot stands inside the blockade it goes to: its own cell is open only then.
-            tree = map_.field(start[0], opened)
-            self.statistics.fields += 1
-            length, path = tree.distance(end[0]), tree.path_to(end[0])
-        return Leg(start[1] + length + end[1], path, snapped)
-
-    def _field_key(self, layer: Layer, source: Place) -> tuple[int, Blockade | None] | None:
-        opened, limit = layer.opened(source), layer.snap_limit_cells
-        start = layer.traversability.nearest(source.cell, opened, limit)
-        return None if start is None else (start[0], source.blockade)
-
-    def _field(
-        self, layer: Layer, cell: int, blockade: Blockade | None, opened: list[int]
-    ) -> Field:
-        key = (cell, blockade)
-        tree = layer.fields.get(key)
-        if tree is None:
-            tree = layer.traversability.field(cell, opened)
-            self.statistics.fields += 1
-            layer.fields[key] = tree
-            while len(layer.fields) > 1 and len(layer.fields) * tree.nbytes > FIELD_MEMORY_BYTES:
-                layer.fields.popitem(last=False)
-        return tree
-
-
-def _ordered(first: Place, second: Place) -> Pair:
-    def rank(place: Place) -> tuple[int, str]:
-        return place.cell, "" if place.blockade is None else place.blockade.id
-
-    return (first, second) if rank(first) <= rank(second) else (second, first)

@@ -22,6 +22,9 @@ class GridParameters:
     """Width of the zone along obstacles in which robots drive slower [m]; 0 for none."""
     wall_slowdown: float = 1.0
     """How many times slower a robot is at an obstacle; falls linearly to 1 over the zone."""
+    any_angle: bool = False
+    """Whether paths are straight lines between cells that see each other (Theta*) instead of steps
+    to neighbours, which are up to 8 % longer."""
     terrain_cost: tuple[tuple[str, float], ...] = ()
     """Factors (at least 1) on the time over terrain classes that are better avoided."""
 

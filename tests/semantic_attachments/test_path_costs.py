@@ -216,18 +216,40 @@ def test_costs_equal_the_definition(seed: int) -> None:
     assert compared > 5
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_any_angle_paths_are_at_most_as_long(seed: int) -> None:
+    world = random_world(np.random.default_rng(seed))
+    calls = [
+        (robot, start, goal)
+        for robot in world.robots
+        for start, goal in permutations(world.locations, 2)
+    ]
+    steps = PathCosts(world).many(calls)
+    lines = PathCosts(world, GridParameters(any_angle=True))
+    for call, along_steps_s, along_lines_s in zip(calls, steps, lines.many(calls), strict=True):
+        assert math.isinf(along_lines_s) == math.isinf(along_steps_s)
+        if math.isfinite(along_steps_s):
+            assert along_steps_s / 1.0824 - 1e-9 <= along_lines_s <= along_steps_s * 1.02 + 1e-9
+            path = lines.path(*call)
+            assert path[0] == pytest.approx(world.locations[call[1]].position_m)
+            assert path[-1] == pytest.approx(world.locations[call[2]].position_m)
+
+
+@pytest.mark.parametrize("any_angle", [False, True])
 @pytest.mark.parametrize("seed", range(12))
-def test_what_is_kept_equals_what_would_be_computed(seed: int) -> None:
+def test_what_is_kept_equals_what_would_be_computed(seed: int, any_angle: bool) -> None:
     rng = np.random.default_rng(100 + seed)
     world = random_world(rng)
-    costs = PathCosts(world)
+    parameters = GridParameters(any_angle=any_angle)
+    costs = PathCosts(world, parameters)
     for step in range(5):
         calls = [
             (robot, start, goal)
             for robot in world.robots
             for start, goal in permutations(world.locations, 2)
         ]
-        assert costs.many(calls) == PathCosts(world).many(calls), f"after {step} changes"
+        fresh = PathCosts(world, parameters)
+        assert costs.many(calls) == fresh.many(calls), f"after {step} changes"
         world = _changed(world, rng)
         costs = costs.after(world)
 

@@ -9,6 +9,7 @@
 //!
 //! Distances are in cells; row 0 is the bottom of the map and an index is `row * width + column`.
 
+pub mod any_angle;
 pub mod footprint;
 pub mod inflation;
 pub mod line_of_sight;

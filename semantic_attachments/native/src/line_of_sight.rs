@@ -6,11 +6,27 @@ use crate::shape::Shape;
 ///
 /// A segment through the corner of four cells touches all of them (supercover), so no corner is cut.
 pub fn sees(shape: Shape, from: u32, to: u32, passable: impl Fn(u32) -> bool) -> bool {
+    visit(shape, from, to, passable)
+}
+
+/// The cells touched by the segment between two cell centres, in its order.
+#[must_use]
+pub fn touched(shape: Shape, from: u32, to: u32) -> Vec<u32> {
+    let mut cells = Vec::new();
+    visit(shape, from, to, |cell| {
+        cells.push(cell);
+        true
+    });
+    cells
+}
+
+/// Visits the touched cells until one is refused; whether none was.
+fn visit(shape: Shape, from: u32, to: u32, mut accept: impl FnMut(u32) -> bool) -> bool {
     let (mut row, mut column) = shape.row_column(from);
     let (last_row, last_column) = shape.row_column(to);
     let (rows, columns) = ((last_row - row).abs(), (last_column - column).abs());
     let (up, right) = ((last_row - row).signum(), (last_column - column).signum());
-    let open = |row: i64, column: i64| shape.cell(row, column).is_some_and(&passable);
+    let mut open = |row: i64, column: i64| shape.cell(row, column).is_some_and(&mut accept);
     // The next horizontal border is crossed at (2i + 1) / (2 rows), the next vertical one at (2j + 1) / (2 columns).
     let (mut i, mut j) = (0, 0);
     loop {

@@ -4,8 +4,13 @@
 //! Research 27(1), 1979. No edge is shorter than one bucket is wide, so the cells of a bucket may be settled in any
 //! order and the distances are exact; a queue operation costs a constant.
 //! Complexity: `O(cells + longest distance)`.
+//!
+//! Where all cells cost the same, many shortest paths differ only in the order of their steps. Only those that take
+//! diagonal steps first are followed, and others where an obstacle leaves no such path.
+//! Source: Sturtevant and Rabin, "Canonical orderings on grids", IJCAI 2016, for grids without cut
+//! corners as in Harabor and Grastien, "Improving jump point search", ICAPS 2014.
 
-use crate::shape::{STEP_LENGTHS, Shape};
+use crate::shape::{STEP_LENGTHS, STEPS, Shape};
 
 /// Direction of a cell that has no predecessor: the source, or a cell out of reach.
 pub const NO_STEP: u8 = 8;
@@ -48,23 +53,8 @@ impl Field {
 #[must_use]
 pub fn one_to_all(shape: Shape, moves: &[u8], multiplier: Option<&[f32]>, source: u32) -> Field {
     match multiplier {
-        None => grow(
-            shape,
-            moves,
-            source,
-            std::f64::consts::SQRT_2,
-            |_, _, step| STEP_LENGTHS[step],
-        ),
-        Some(factors) => {
-            let largest = f64::from(factors.iter().copied().fold(1.0, f32::max));
-            grow(
-                shape,
-                moves,
-                source,
-                largest * std::f64::consts::SQRT_2,
-                |from, to, step| STEP_LENGTHS[step] * mean_factor(factors, from, to),
-            )
-        }
+        None => grow_canonically(shape, moves, source),
+        Some(factors) => grow(shape, moves, source, factors),
     }
 }
 
@@ -74,30 +64,72 @@ pub fn mean_factor(factors: &[f32], from: usize, to: usize) -> f64 {
     0.5 * (f64::from(factors[from]) + f64::from(factors[to]))
 }
 
-fn grow(
-    shape: Shape,
-    moves: &[u8],
-    source: u32,
-    longest_edge: f64,
-    length: impl Fn(usize, usize, usize) -> f64,
-) -> Field {
+/// Cells to be settled, by distance; no edge may be shorter than 1, the width of a bucket.
+struct Buckets {
+    ring: Vec<Vec<u32>>,
+    waiting: usize,
+    number: u64,
+    settling: Vec<u32>,
+}
+
+impl Buckets {
+    fn new(longest_edge: f64) -> Self {
+        Self {
+            // A power of two, so that the slot is a matter of a mask.
+            ring: vec![Vec::new(); (longest_edge.ceil() as usize + 2).next_power_of_two()],
+            waiting: 0,
+            number: 0,
+            settling: Vec::new(),
+        }
+    }
+
+    #[inline]
+    fn push(&mut self, distance: f64, cell: u32) {
+        let slot = distance as usize & (self.ring.len() - 1);
+        self.ring[slot].push(cell);
+        self.waiting += 1;
+    }
+
+    /// The cells of the next bucket, and its number; the vector is to be given back.
+    fn next(&mut self) -> Option<(u64, Vec<u32>)> {
+        if self.waiting == 0 {
+            return None;
+        }
+        let number = self.number;
+        let slot = number as usize & (self.ring.len() - 1);
+        let cells = std::mem::replace(&mut self.ring[slot], std::mem::take(&mut self.settling));
+        self.waiting -= cells.len();
+        self.number += 1;
+        Some((number, cells))
+    }
+
+    fn give_back(&mut self, mut cells: Vec<u32>) {
+        cells.clear();
+        self.settling = cells;
+    }
+}
+
+fn unreached(shape: Shape, source: u32) -> Field {
     let mut distances = vec![f64::INFINITY; shape.len()];
-    let mut steps = vec![NO_STEP; shape.len()];
-    let offsets = shape.offsets();
-    let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); longest_edge.ceil() as usize + 2];
-    let ring = buckets.len() as u64;
     distances[source as usize] = 0.0;
-    buckets[0].push(source);
-    let mut waiting = 1_usize;
-    let mut number = 0_u64;
-    let mut settling = Vec::new();
-    while waiting > 0 {
-        let slot = (number % ring) as usize;
-        std::mem::swap(&mut settling, &mut buckets[slot]);
-        waiting -= settling.len();
-        for &cell in &settling {
+    Field {
+        shape,
+        source,
+        distances,
+        steps: vec![NO_STEP; shape.len()],
+    }
+}
+
+fn grow(shape: Shape, moves: &[u8], source: u32, factors: &[f32]) -> Field {
+    let largest = f64::from(factors.iter().copied().fold(1.0, f32::max));
+    let offsets = shape.offsets();
+    let mut field = unreached(shape, source);
+    let mut buckets = Buckets::new(largest * std::f64::consts::SQRT_2);
+    buckets.push(0.0, source);
+    while let Some((number, cells)) = buckets.next() {
+        for &cell in &cells {
             let from = cell as usize;
-            let distance = distances[from];
+            let distance = field.distances[from];
             if distance as u64 != number {
                 continue; // a shorter path settled it in an earlier bucket
             }
@@ -106,24 +138,90 @@ fn grow(
                 let step = open.trailing_zeros() as usize;
                 open &= open - 1;
                 let to = (from as isize + offsets[step]) as usize;
-                let reached = distance + length(from, to, step);
-                if reached < distances[to] {
-                    distances[to] = reached;
-                    steps[to] = step as u8;
-                    buckets[(reached as u64 % ring) as usize].push(to as u32);
-                    waiting += 1;
+                let reached = distance + STEP_LENGTHS[step] * mean_factor(factors, from, to);
+                if reached < field.distances[to] {
+                    field.distances[to] = reached;
+                    field.steps[to] = step as u8;
+                    buckets.push(reached, to as u32);
                 }
             }
         }
-        settling.clear();
-        number += 1;
+        buckets.give_back(cells);
     }
-    Field {
-        shape,
-        source,
-        distances,
-        steps,
+    field
+}
+
+/// Paths of equal length may differ by rounding.
+const TIE: f64 = 1e-9;
+
+fn grow_canonically(shape: Shape, moves: &[u8], source: u32) -> Field {
+    let offsets = shape.offsets();
+    let successors = canonical_successors();
+    let mut field = unreached(shape, source);
+    // The steps that canonical paths may take on from a cell.
+    let mut onward = vec![0u8; shape.len()];
+    onward[source as usize] = u8::MAX;
+    let mut buckets = Buckets::new(std::f64::consts::SQRT_2);
+    buckets.push(0.0, source);
+    while let Some((number, cells)) = buckets.next() {
+        for &cell in &cells {
+            let from = cell as usize;
+            let distance = field.distances[from];
+            if distance as u64 != number {
+                continue; // a shorter path settled it in an earlier bucket
+            }
+            let all = moves[from];
+            let mut open = all & std::mem::take(&mut onward[from]);
+            while open != 0 {
+                let step = open.trailing_zeros() as usize;
+                open &= open - 1;
+                let to = (from as isize + offsets[step]) as usize;
+                let reached = distance + STEP_LENGTHS[step];
+                let known = field.distances[to];
+                if reached < known - TIE {
+                    field.distances[to] = reached;
+                    field.steps[to] = step as u8;
+                    onward[to] = successors[step][all as usize];
+                    buckets.push(reached, to as u32);
+                } else if reached < known + TIE {
+                    // Two canonical paths meet: both go on.
+                    onward[to] |= successors[step][all as usize];
+                }
+            }
+        }
+        buckets.give_back(cells);
     }
+    field
+}
+
+/// Steps that continue a canonical path, by its last step and the moves of the cell that it took it from.
+///
+/// After a diagonal step: the same step and its two components. After a straight step: the same step; on
+/// a side where the cell before is an obstacle no diagonal came by, so the turn to that side, straight or
+/// diagonally, continues it as well.
+fn canonical_successors() -> [[u8; 256]; 8] {
+    let bit = |rows: i64, columns: i64| {
+        1u8 << STEPS
+            .iter()
+            .position(|&step| step == (rows, columns))
+            .unwrap_or(0)
+    };
+    let mut table = [[0; 256]; 8];
+    for (step, &(rows, columns)) in STEPS.iter().enumerate() {
+        for (moves, entry) in table[step].iter_mut().enumerate() {
+            *entry = 1 << step;
+            if rows != 0 && columns != 0 {
+                *entry |= bit(rows, 0) | bit(0, columns);
+                continue;
+            }
+            for side in [(columns, rows), (-columns, -rows)] {
+                if moves as u8 & bit(side.0, side.1) == 0 {
+                    *entry |= bit(side.0, side.1) | bit(rows + side.0, columns + side.1);
+                }
+            }
+        }
+    }
+    table
 }
 
 #[cfg(test)]
@@ -171,9 +269,11 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
         #[test]
         fn equals_relaxation_on_random_grids(
-            passable in proptest::collection::vec(proptest::bool::weighted(0.7), 12 * 9),
+            passable in proptest::collection::vec(proptest::bool::weighted(0.75), 12 * 9),
             factors in proptest::collection::vec(1.0f32..6.0, 12 * 9),
             weighted in any::<bool>(),
             source in 0u32..108,

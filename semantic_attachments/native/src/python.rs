@@ -10,6 +10,7 @@ use numpy::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::any_angle;
 use crate::footprint;
 use crate::line_of_sight;
 use crate::one_to_all;
@@ -140,12 +141,7 @@ impl Traversability {
     ) -> PyResult<Bound<'py, PyArray2<bool>>> {
         self.check_opened(&opened)?;
         let (height, width) = self.shape();
-        let map = &self.map;
-        let passable: Vec<bool> = py.detach(|| {
-            (0..map.shape.len() as u32)
-                .map(|cell| map.passable(cell, &opened))
-                .collect()
-        });
+        let passable = py.detach(|| self.map.all_passable(&opened));
         passable.into_pyarray(py).reshape([height, width])
     }
 
@@ -178,6 +174,25 @@ impl Traversability {
             one_to_all::one_to_all(map.shape, &moves, map.multiplier.as_deref(), source)
         });
         Ok(Field { field })
+    }
+
+    /// Any-angle distances from one cell to all others with the given blockades opened.
+    #[pyo3(signature = (source, opened=Vec::new()))]
+    fn any_angle(
+        &self,
+        py: Python<'_>,
+        source: u32,
+        opened: Vec<usize>,
+    ) -> PyResult<AnyAngleField> {
+        self.check_cell(source)?;
+        self.check_opened(&opened)?;
+        let map = &self.map;
+        let field = py.detach(|| {
+            let (moves, passable) = (map.moves(&opened), map.all_passable(&opened));
+            let multiplier = map.multiplier.as_deref();
+            any_angle::any_angle(map.shape, &moves, &passable, multiplier, source)
+        });
+        Ok(AnyAngleField { field })
     }
 
     /// Distance and cells to `goal` with `opened` open, from a field grown with a subset of them open.
@@ -256,6 +271,33 @@ impl Field {
     #[getter]
     fn nbytes(&self) -> usize {
         self.field.distances.len() * 8 + self.field.steps.len()
+    }
+}
+
+/// The tree of straight lines from one cell.
+#[pyclass(frozen, module = "semantic_attachments._core")]
+struct AnyAngleField {
+    field: any_angle::AnyAngleField,
+}
+
+#[pymethods]
+impl AnyAngleField {
+    /// Memory the field holds [bytes].
+    #[getter]
+    fn nbytes(&self) -> usize {
+        self.field.distances.len() * 12
+    }
+
+    /// Distance of one cell [cells].
+    fn distance(&self, cell: u32) -> PyResult<f64> {
+        let known = self.field.distances.get(cell as usize).copied();
+        known.ok_or_else(|| PyValueError::new_err("a cell is outside of the map"))
+    }
+
+    /// (n,) uint32: all cells touched on the way to a goal, empty if there is no path.
+    fn path_to<'py>(&self, py: Python<'py>, goal: u32) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        self.distance(goal)?;
+        Ok(self.field.path_to(goal).into_pyarray(py))
     }
 }
 
@@ -355,6 +397,7 @@ impl Footprint {
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<Traversability>()?;
+    module.add_class::<AnyAngleField>()?;
     module.add_class::<Footprint>()?;
     module.add_class::<Field>()
 }

@@ -24,9 +24,6 @@ pub const STEPS: [(i64, i64); 8] = [
     (-1, 1),
 ];
 
-/// The step that leads back, by step.
-pub const OPPOSITE: [u8; 8] = [2, 3, 0, 1, 6, 7, 4, 5];
-
 /// Rows and columns of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {

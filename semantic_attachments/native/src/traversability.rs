@@ -112,6 +112,24 @@ impl Traversability {
                     .count()
     }
 
+    /// Where a robot's centre may be when the given blockades are opened.
+    #[must_use]
+    pub fn all_passable(&self, opened: &[usize]) -> Vec<bool> {
+        let mut passable: Vec<bool> = self
+            .open
+            .iter()
+            .zip(&self.stamps)
+            .map(|(&open, &count)| open && count == 0)
+            .collect();
+        for &cell in opened
+            .iter()
+            .flat_map(|&blockade| &self.blockades[blockade].1)
+        {
+            passable[cell as usize] = self.passable(cell, opened);
+        }
+        passable
+    }
+
     /// Allowed steps of every cell when the given blockades are opened.
     #[must_use]
     pub fn moves(&self, opened: &[usize]) -> std::borrow::Cow<'_, [u8]> {
