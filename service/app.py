@@ -14,7 +14,7 @@ from service.coordination.strategies import all_strategies
 from service.jobs.planning_requests import PlanningRequests
 from service.jobs.process_pool import PoolParameters, ProcessPool
 from service.jobs.threads import PlanningThreads
-from service.routes import health, mission_changes, mission_events, missions, plans
+from service.routes import editors, health, mission_changes, mission_events, missions, plans
 from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
@@ -65,10 +65,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     problem_details.install(app)
-    json_body.install_openapi(app, [*missions.BODIES, *mission_changes.BODIES, *plans.BODIES])
-    app.include_router(health.ROUTER)
-    app.include_router(missions.ROUTER)
-    app.include_router(mission_changes.ROUTER)
-    app.include_router(mission_events.ROUTER)
-    app.include_router(plans.ROUTER)
+    nouns = (missions, mission_changes, plans, editors)
+    json_body.install_openapi(app, [body for noun in nouns for body in noun.BODIES])
+    for noun in (health, missions, mission_changes, mission_events, plans, editors):
+        app.include_router(noun.ROUTER)
     return app
