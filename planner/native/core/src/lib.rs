@@ -21,6 +21,7 @@ pub mod pddl;
 pub mod plan;
 pub mod portfolio;
 pub mod progress;
+pub mod schedule;
 pub mod solve;
 pub mod syntax;
 pub mod task;

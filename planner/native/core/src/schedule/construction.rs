@@ -1,0 +1,104 @@
+//! Plans from nothing: the goals one after the other, each by its relaxed plan.
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+
+use crate::schedule::exploration::{Labelling, Restriction};
+use crate::schedule::workshop::Workshop;
+
+/// Rounds over the goals: achieving one may destroy another.
+const ROUNDS: u32 = 6;
+
+impl Workshop {
+    /// Achieves every goal that does not hold, in the given order; goals that later ones destroy
+    /// are achieved again. `stop` is asked between goals.
+    pub fn achieve_goals(
+        &mut self,
+        order: &mut [u32],
+        labelling: Labelling,
+        bound: f64,
+        stop: &dyn Fn() -> bool,
+    ) -> bool {
+        for _ in 0..ROUNDS {
+            let mut open = false;
+            let mut progress = false;
+            for goal in order.iter() {
+                if self.holds(*goal) {
+                    continue;
+                }
+                open = true;
+                if stop() {
+                    return false;
+                }
+                let mark = self.state.mark();
+                if self.achieve(*goal, labelling, Restriction::default(), bound) {
+                    progress = true;
+                } else {
+                    self.state.rollback(mark);
+                    self.failed(*goal);
+                }
+                if self.state.list.len() > self.longest {
+                    return false;
+                }
+            }
+            if !open {
+                return true;
+            }
+            if !progress {
+                return false;
+            }
+            // Goals that hold stay in front: what destroys others should come early.
+            let (state, propositions) = (&self.state, &self.propositions);
+            order.sort_by_key(|goal| propositions.holds(state, *goal));
+        }
+        self.goal_holds()
+    }
+
+    /// Remembers that a goal could not be achieved where it stood: it moves forward next time
+    /// (squeaky wheel optimisation; Joslin and Clements, JAIR 10, 1999).
+    fn failed(&mut self, goal: u32) {
+        if let Some(index) = self
+            .propositions
+            .goal
+            .iter()
+            .position(|other| *other == goal)
+        {
+            self.urgency[index] += 1.0;
+        }
+    }
+
+    /// Puts goals that failed before first, and near ones before far ones.
+    fn sort_by_urgency(&mut self, order: &mut [u32]) {
+        let scale = self.reach.iter().copied().filter(|reach| reach.is_finite());
+        let scale = scale.fold(1.0, f64::max);
+        let spread = [0.02, 0.2, 0.6][self.random.random_range(0..3)];
+        let mut rank = rustc_hash::FxHashMap::default();
+        for (index, goal) in self.propositions.goal.iter().enumerate() {
+            let noise: f64 = self.random.random();
+            let weight = self.reach[index] / scale - self.urgency[index] * 0.15 + spread * noise;
+            rank.insert(*goal, weight);
+        }
+        order.sort_by(|left, right| rank[left].total_cmp(&rank[right]));
+    }
+
+    /// One plan from nothing: goals in random order.
+    pub fn construct(&mut self, first: bool, bound: f64, stop: &dyn Fn() -> bool) -> bool {
+        self.state.reset();
+        let mut order = self.propositions.goal.clone();
+        let mut labelling = self.labelling();
+        if first {
+            labelling.effort = if self.objective.is_makespan() {
+                0.05
+            } else {
+                1.0
+            };
+            labelling.noise = 0.05;
+            labelling.protect = true;
+        }
+        order.shuffle(&mut self.random);
+        if first || self.random.random_bool(0.6) {
+            self.sort_by_urgency(&mut order);
+        }
+        self.achieve_goals(&mut order, labelling, bound, stop)
+    }
+}

@@ -1,0 +1,411 @@
+//! Goal-directed relaxed exploration from a time-stamped state.
+//!
+//! Labels are settled in the order of `label + distance` (A*, Hart, Nilsson, Raphael 1968), where
+//! `distance` is the length of the shortest chain of rules from a proposition to the target: a
+//! lower bound that ignores all other needs and is computed once a target. A label is the
+//! earliest time (max over needs) plus `effort` times the additive cost (h_add), so that one
+//! parameter goes from greedy list scheduling to plans that save work.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rustc_hash::FxHashMap;
+
+use crate::schedule::model::{Model, NONE};
+use crate::schedule::propositions::Propositions;
+use crate::schedule::state::State;
+
+/// Largest number of distances kept.
+const DISTANCE_MEMORY: usize = 8_000_000;
+
+/// How labels are computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Labelling {
+    /// Weight of additive cost against time.
+    pub effort: f32,
+    /// Relative noise on durations; breaks symmetry between like objects.
+    pub noise: f32,
+    /// Decides the noise.
+    pub salt: u32,
+    /// Leave out operators that destroy goals which hold.
+    pub protect: bool,
+    /// Count on past windows of facts that do not hold.
+    pub windows: bool,
+}
+
+/// What the last rule must look like.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Restriction {
+    /// It must add this too.
+    pub with: Option<u32>,
+    /// It must not be this operator's, nor add what only that operator's rule adds.
+    pub without: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Label {
+    time: f32,
+    cost: f32,
+    supporter: u32,
+    generation: u32,
+    settled: bool,
+}
+
+/// Reusable memory of the exploration.
+#[derive(Clone, Debug)]
+pub struct Exploration {
+    labels: Vec<Label>,
+    generation: u32,
+    queue: BinaryHeap<Reverse<u64>>,
+    distances: FxHashMap<u32, Vec<f32>>,
+    distance_sum: usize,
+    visited: Vec<u32>,
+    /// Whether rules cost what they last.
+    cost_is_time: bool,
+    /// Labels settled since creation.
+    pub settled: u64,
+}
+
+fn key(priority: f32, proposition: u32) -> Reverse<u64> {
+    // Non-negative floats are ordered like their bits.
+    Reverse(u64::from(priority.max(0.0).to_bits()) << 32 | u64::from(proposition))
+}
+
+impl Exploration {
+    /// Memory for a task.
+    pub fn new(propositions: &Propositions, cost_is_time: bool) -> Self {
+        let fresh = Label {
+            time: 0.0,
+            cost: 0.0,
+            supporter: NONE,
+            generation: 0,
+            settled: false,
+        };
+        Self {
+            labels: vec![fresh; propositions.count()],
+            generation: 0,
+            queue: BinaryHeap::new(),
+            distances: FxHashMap::default(),
+            distance_sum: 0,
+            visited: vec![0; propositions.count()],
+            cost_is_time,
+            settled: 0,
+        }
+    }
+
+    /// Least increase of a label per unit of distance.
+    fn weight(&self, labelling: Labelling) -> f32 {
+        if self.cost_is_time {
+            1.0 + labelling.effort
+        } else {
+            1.0
+        }
+    }
+
+    /// Shortest chains of rules to a target [s], computed by Dijkstra backwards.
+    fn ensure_distance(&mut self, propositions: &Propositions, target: u32) {
+        if self.distances.contains_key(&target) {
+            return;
+        }
+        let count = propositions.count();
+        if self.distance_sum + count > DISTANCE_MEMORY {
+            self.distances.clear();
+            self.distance_sum = 0;
+        }
+        let mut distance = vec![f32::INFINITY; count];
+        distance[target as usize] = 0.0;
+        self.queue.clear();
+        self.queue.push(key(0.0, target));
+        while let Some(Reverse(entry)) = self.queue.pop() {
+            let proposition = entry as u32;
+            let reached = f32::from_bits((entry >> 32) as u32);
+            if reached > distance[proposition as usize] {
+                continue;
+            }
+            for rule in propositions.adding.row(proposition) {
+                let rule = &propositions.rules[*rule as usize];
+                let at_end = propositions
+                    .adds(rule)
+                    .iter()
+                    .any(|add| add.proposition == proposition && add.at_end);
+                let through = reached + if at_end { rule.duration } else { 0.0 };
+                for need in propositions.needs(rule) {
+                    let through = if need.at_end { reached } else { through };
+                    if through < distance[need.proposition as usize] {
+                        distance[need.proposition as usize] = through;
+                        self.queue.push(key(through, need.proposition));
+                    }
+                }
+            }
+        }
+        self.distance_sum += count;
+        self.distances.insert(target, distance);
+    }
+
+    /// Finds a relaxed plan for a target that does not hold: operators with the propositions they
+    /// were chosen for, in causal order. Returns the label of the target, infinite if unreachable.
+    pub fn relaxed_plan(
+        &mut self,
+        model: &Model,
+        propositions: &Propositions,
+        state: &State,
+        target: u32,
+        labelling: Labelling,
+        restriction: Restriction,
+        plan: &mut Vec<(u32, u32)>,
+    ) -> f32 {
+        plan.clear();
+        self.ensure_distance(propositions, target);
+        let Some(distance) = self.distances.remove(&target) else {
+            return f32::INFINITY;
+        };
+        let label = self.explore(
+            model,
+            propositions,
+            state,
+            target,
+            &distance,
+            labelling,
+            restriction,
+        );
+        self.distances.insert(target, distance);
+        if label.is_finite() {
+            self.extract(propositions, target, plan);
+        }
+        label
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn explore(
+        &mut self,
+        model: &Model,
+        propositions: &Propositions,
+        state: &State,
+        target: u32,
+        distance: &[f32],
+        labelling: Labelling,
+        restriction: Restriction,
+    ) -> f32 {
+        self.generation += 1;
+        let generation = self.generation;
+        self.queue.clear();
+        let weight = self.weight(labelling);
+        let mut bound = f32::INFINITY;
+        for (index, word) in state.truth.iter().enumerate() {
+            let mut word = *word;
+            while word != 0 {
+                let fact = index as u32 * 64 + word.trailing_zeros();
+                word &= word - 1;
+                self.seed(model, propositions, state, fact, distance, weight);
+            }
+        }
+        for index in 0..propositions.extra.len() as u32 {
+            let proposition = propositions.fact_count + index;
+            if distance[proposition as usize].is_finite() && propositions.holds(state, proposition)
+            {
+                self.seed(model, propositions, state, proposition, distance, weight);
+            }
+        }
+        for fact in model.windowed.iter().map(|fact| *fact as usize) {
+            if labelling.windows && !state.facts[fact].value {
+                let time = state.available(model, fact as u32, true);
+                if time.is_finite() {
+                    self.seed(model, propositions, state, fact as u32, distance, weight);
+                }
+            }
+        }
+        while let Some(Reverse(entry)) = self.queue.pop() {
+            let proposition = entry as u32;
+            let label = &mut self.labels[proposition as usize];
+            if label.settled || label.generation != generation {
+                continue;
+            }
+            label.settled = true;
+            self.settled += 1;
+            if proposition == target {
+                return label.time + labelling.effort * label.cost;
+            }
+            for rule_index in propositions.needing.row(proposition) {
+                self.fire(
+                    model,
+                    propositions,
+                    state,
+                    *rule_index,
+                    target,
+                    distance,
+                    labelling,
+                    restriction,
+                    &mut bound,
+                );
+            }
+        }
+        f32::INFINITY
+    }
+
+    fn seed(
+        &mut self,
+        model: &Model,
+        propositions: &Propositions,
+        state: &State,
+        proposition: u32,
+        distance: &[f32],
+        weight: f32,
+    ) {
+        let ahead = distance[proposition as usize];
+        if !ahead.is_finite() {
+            return;
+        }
+        let time = propositions.time(model, state, proposition) as f32;
+        self.labels[proposition as usize] = Label {
+            time,
+            cost: 0.0,
+            supporter: NONE,
+            generation: self.generation,
+            settled: false,
+        };
+        self.queue.push(key(time + weight * ahead, proposition));
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn fire(
+        &mut self,
+        model: &Model,
+        propositions: &Propositions,
+        state: &State,
+        rule_index: u32,
+        target: u32,
+        distance: &[f32],
+        labelling: Labelling,
+        restriction: Restriction,
+        bound: &mut f32,
+    ) {
+        let rule = &propositions.rules[rule_index as usize];
+        if labelling.protect && destroys(model, state, rule.operator) {
+            return;
+        }
+        let generation = self.generation;
+        let mut time = 0.0f32;
+        let mut cost = 0.0f32;
+        let mut direct = true;
+        for need in propositions.needs(rule) {
+            let label = &self.labels[need.proposition as usize];
+            if label.generation != generation || !label.settled {
+                return;
+            }
+            let lag = if need.at_end { rule.duration } else { 0.0 };
+            time = time.max(label.time - lag);
+            cost += label.cost;
+            direct &= label.supporter == NONE;
+        }
+        if direct {
+            // Nothing relaxed about it: readers, numeric conditions and capacities count.
+            match state.earliest(model, rule.operator) {
+                Some(dispatch) => time = time.max(dispatch.start as f32),
+                None => return,
+            }
+        }
+        let mut duration = rule.duration;
+        if labelling.noise > 0.0 {
+            let hash = (rule_index ^ labelling.salt).wrapping_mul(0x9E37_79B1);
+            let hash = (hash ^ (hash >> 15)).wrapping_mul(0x85EB_CA77);
+            duration *= 1.0 + labelling.noise * ((hash >> 8) as f32 / 16_777_216.0);
+        }
+        let cost = cost + rule.cost;
+        let weight = self.weight(labelling);
+        for add in propositions.adds(rule) {
+            let ahead = distance[add.proposition as usize];
+            if !ahead.is_finite() {
+                continue;
+            }
+            if add.proposition == target && !admits(propositions, rule_index, restriction) {
+                continue;
+            }
+            let reached = time + if add.at_end { duration } else { 0.0 };
+            let value = reached + labelling.effort * cost;
+            let priority = value + weight * ahead;
+            if priority >= *bound {
+                continue;
+            }
+            let label = &mut self.labels[add.proposition as usize];
+            if label.generation == generation
+                && (label.settled || label.time + labelling.effort * label.cost <= value)
+            {
+                continue;
+            }
+            *label = Label {
+                time: reached,
+                cost,
+                supporter: rule_index,
+                generation,
+                settled: false,
+            };
+            if add.proposition == target {
+                *bound = value;
+            }
+            self.queue.push(key(priority, add.proposition));
+        }
+    }
+
+    fn extract(&mut self, propositions: &Propositions, target: u32, plan: &mut Vec<(u32, u32)>) {
+        let mut stack = vec![(target, false)];
+        let generation = self.generation;
+        while let Some((proposition, leaving)) = stack.pop() {
+            let supporter = self.labels[proposition as usize].supporter;
+            if leaving {
+                plan.push((propositions.rules[supporter as usize].operator, proposition));
+                continue;
+            }
+            if supporter == NONE || self.visited[proposition as usize] == generation {
+                continue;
+            }
+            self.visited[proposition as usize] = generation;
+            stack.push((proposition, true));
+            let rule = &propositions.rules[supporter as usize];
+            let from = stack.len();
+            for need in propositions.needs(rule) {
+                stack.push((need.proposition, false));
+            }
+            // What is available first comes first in the plan: it has to be on top.
+            stack[from..].sort_by(|left, right| {
+                let time = |entry: &(u32, bool)| self.labels[entry.0 as usize].time;
+                time(right).total_cmp(&time(left))
+            });
+        }
+        let mut seen: Vec<u32> = Vec::with_capacity(plan.len());
+        plan.retain(|(operator, _)| {
+            let fresh = !seen.contains(operator);
+            if fresh {
+                seen.push(*operator);
+            }
+            fresh
+        });
+    }
+}
+
+/// Whether an operator makes a goal false that holds.
+fn destroys(model: &Model, state: &State, operator: u32) -> bool {
+    model.threatens_goal[operator as usize]
+        && model.writes(operator).iter().any(|write| {
+            model.goal_value[write.fact as usize] == Some(!write.value)
+                && state.holds(write.fact, !write.value)
+                && !model.writes(operator).iter().any(|other| {
+                    other.fact == write.fact && other.value != write.value && other.at_end
+                })
+        })
+}
+
+fn admits(propositions: &Propositions, rule: u32, restriction: Restriction) -> bool {
+    let rule = &propositions.rules[rule as usize];
+    let with = restriction.with.is_none_or(|with| {
+        propositions
+            .adds(rule)
+            .iter()
+            .any(|add| add.proposition == with)
+    });
+    with && restriction.without.is_none_or(|without| {
+        !propositions
+            .adds(rule)
+            .iter()
+            .any(|add| add.proposition == without)
+    })
+}

@@ -1,0 +1,243 @@
+//! Causal links of an operator list: what each operator is for.
+
+use crate::schedule::model::{Model, NONE, literals};
+use crate::schedule::propositions::Propositions;
+
+/// What the facts that an operator achieves are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Nothing: it can be left out.
+    Useless,
+    /// Only facts that their consumers use up, like a position on the way.
+    Transit,
+    /// Facts that stay or that several operators use.
+    Lasting,
+    /// A goal.
+    Goal,
+}
+
+/// An operator of a list with its purpose.
+#[derive(Clone, Debug)]
+pub struct Element {
+    pub operator: u32,
+    pub role: Role,
+    /// The proposition to achieve anew if the operator cannot run; [`NONE`] if only fluents.
+    pub primary: u32,
+    /// Literals that later operators or the goal take from it.
+    pub purposes: Vec<(u32, bool)>,
+    /// Positions of the operators that take them.
+    pub consumers: Vec<u32>,
+}
+
+/// Reusable memory.
+#[derive(Clone, Debug, Default)]
+pub struct Links {
+    producer: Vec<u32>,
+    /// Who made it the other value before, for facts with past windows.
+    former: Vec<u32>,
+    value: Vec<bool>,
+    writers: Vec<Vec<u32>>,
+    touched: Vec<u32>,
+}
+
+struct Link {
+    producer: u32,
+    consumer: u32,
+    fact: u32,
+    value: bool,
+    used_up: bool,
+}
+
+impl Links {
+    /// Finds what each operator is for. With `cautious`, every operator that changed a fluent
+    /// which is read later counts as needed; otherwise only those that reach numeric goals or
+    /// feed values, and the list has to be replayed to see whether it still works.
+    pub fn elements(
+        &mut self,
+        model: &Model,
+        propositions: &Propositions,
+        operators: &[u32],
+        cautious: bool,
+    ) -> Vec<Element> {
+        self.producer.resize(model.fact_count, NONE);
+        self.former.resize(model.fact_count, NONE);
+        self.value.resize(model.fact_count, false);
+        self.writers.resize(model.initial_values.len(), Vec::new());
+        let mut links = Vec::with_capacity(operators.len() * 3);
+        let mut numeric = Vec::new();
+        for (position, operator) in operators.iter().enumerate() {
+            let position = position as u32;
+            for read in model.reads(*operator) {
+                if !read.own {
+                    let used_up = model
+                        .writes(*operator)
+                        .iter()
+                        .any(|write| write.fact == read.fact && write.value != read.value);
+                    self.link(position, read.fact, read.value, used_up, &mut links);
+                }
+            }
+            if let Some(detail) = model.detail(*operator) {
+                let mut fluents = Vec::new();
+                if let Some((_, _, reads)) = &detail.bounds {
+                    fluents.extend_from_slice(reads);
+                }
+                for write in &detail.numeric {
+                    fluents.extend_from_slice(&write.reads);
+                }
+                for effect in &detail.conditional {
+                    for (fact, value) in effect.condition.iter().flat_map(literals) {
+                        self.link(position, fact, value, false, &mut links);
+                    }
+                    if let Some(write) = &effect.fluent {
+                        fluents.extend_from_slice(&write.reads);
+                    }
+                }
+                if cautious {
+                    for comparing in &detail.comparisons {
+                        fluents.extend_from_slice(&comparing.reads);
+                    }
+                }
+                for fluent in fluents {
+                    for writer in &self.writers[fluent as usize] {
+                        numeric.push((*writer, position));
+                    }
+                }
+                for write in &detail.numeric {
+                    self.writers[write.fluent.index()].push(position);
+                }
+                for effect in &detail.conditional {
+                    if let Some(write) = &effect.fluent {
+                        self.writers[write.fluent.index()].push(position);
+                    }
+                    if let Some((fact, value)) = effect.fact {
+                        self.write(model, position, fact, value);
+                    }
+                }
+            }
+            for write in model.writes(*operator) {
+                self.write(model, position, write.fact, write.value);
+            }
+        }
+        let end = operators.len() as u32;
+        for (fact, value) in &model.goal {
+            self.link(end, *fact, *value, false, &mut links);
+        }
+        for comparing in &model.goal_comparisons {
+            for fluent in &comparing.reads {
+                for writer in &self.writers[*fluent as usize] {
+                    numeric.push((*writer, end));
+                }
+            }
+        }
+        for fact in self.touched.drain(..) {
+            self.producer[fact as usize] = NONE;
+            self.former[fact as usize] = NONE;
+        }
+        for writers in &mut self.writers {
+            writers.clear();
+        }
+        collect(model, propositions, operators, &links, &numeric)
+    }
+
+    fn link(&self, consumer: u32, fact: u32, value: bool, used_up: bool, links: &mut Vec<Link>) {
+        let index = fact as usize;
+        let latest = self.producer[index];
+        let producer = if latest == NONE || self.value[index] == value {
+            latest
+        } else {
+            self.former[index]
+        };
+        if producer != NONE {
+            links.push(Link {
+                producer,
+                consumer,
+                fact,
+                value,
+                used_up,
+            });
+        }
+    }
+
+    fn write(&mut self, model: &Model, position: u32, fact: u32, value: bool) {
+        let index = fact as usize;
+        let before = if self.producer[index] == NONE {
+            model.initial_facts[index]
+        } else {
+            self.value[index]
+        };
+        if before != value {
+            if self.producer[index] == NONE {
+                self.touched.push(fact);
+            }
+            self.former[index] = self.producer[index];
+            self.producer[index] = position;
+            self.value[index] = value;
+        }
+    }
+}
+
+fn collect(
+    model: &Model,
+    propositions: &Propositions,
+    operators: &[u32],
+    links: &[Link],
+    numeric: &[(u32, u32)],
+) -> Vec<Element> {
+    let mut elements: Vec<Element> = operators
+        .iter()
+        .map(|operator| Element {
+            operator: *operator,
+            role: Role::Useless,
+            primary: NONE,
+            purposes: Vec::new(),
+            consumers: Vec::new(),
+        })
+        .collect();
+    let end = operators.len();
+    // Links are sorted by consumer: going backwards, a consumer's role is final when it is met.
+    let mut by_consumer: Vec<Vec<usize>> = vec![Vec::new(); end + 1];
+    for (index, link) in links.iter().enumerate() {
+        by_consumer[link.consumer as usize].push(index);
+    }
+    let mut numeric_by_consumer: Vec<Vec<u32>> = vec![Vec::new(); end + 1];
+    for (producer, consumer) in numeric {
+        numeric_by_consumer[*consumer as usize].push(*producer);
+    }
+    for consumer in (0..=end).rev() {
+        if consumer < end && elements[consumer].role == Role::Useless {
+            continue;
+        }
+        for producer in &numeric_by_consumer[consumer] {
+            let element = &mut elements[*producer as usize];
+            if element.role == Role::Useless {
+                element.role = Role::Transit;
+            }
+            element.consumers.push(consumer as u32);
+        }
+        for index in &by_consumer[consumer] {
+            let link = &links[*index];
+            let element = &mut elements[link.producer as usize];
+            let role = if consumer == end {
+                Role::Goal
+            } else if link.used_up {
+                Role::Transit
+            } else {
+                Role::Lasting
+            };
+            let rank = |role: Role| role as u8;
+            let proposition = propositions.of_literal(link.fact, link.value);
+            if element.primary == NONE || rank(role) > rank(element.role) {
+                element.primary = proposition;
+            }
+            if rank(role) > rank(element.role) {
+                element.role = role;
+            }
+            if !element.purposes.contains(&(link.fact, link.value)) {
+                element.purposes.push((link.fact, link.value));
+            }
+            element.consumers.push(consumer as u32);
+        }
+    }
+    let _ = model;
+    elements
+}

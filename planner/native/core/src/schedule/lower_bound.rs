@@ -1,0 +1,153 @@
+//! A lower bound on the makespan of every plan: the critical path of the delete relaxation
+//! (h_max with durations; Haslum and Geffner, "Heuristic planning with time and resources", 2001).
+//!
+//! A start effect counts from the start of its operator, but a goal is reached no sooner than at
+//! the end of an operator that adds it, because the plan lasts until then.
+
+use crate::schedule::model::{EPSILON, Model, NONE};
+use crate::schedule::propositions::{Meaning, Propositions, Rule, Term};
+use crate::schedule::state::State;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Least makespan of any plan that reaches each goal [s]; infinite if the relaxation has none.
+pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) -> Vec<f64> {
+    let count = propositions.count();
+    let mut label = vec![f64::INFINITY; count];
+    let mut settled = vec![false; count];
+    let mut waiting: Vec<u32> = propositions
+        .rules
+        .iter()
+        .map(|rule| {
+            let needs = propositions.needs(rule).iter();
+            needs
+                .filter(|need| counts(propositions, rule, need))
+                .count() as u32
+        })
+        .collect();
+    let mut finished = vec![f64::INFINITY; count];
+    let mut queue = BinaryHeap::new();
+    for proposition in 0..count as u32 {
+        let open = if proposition < propositions.fact_count {
+            model.initial_facts[proposition as usize]
+                || model.window_of[proposition as usize] != NONE
+        } else {
+            // Numeric conditions may be reached in ways the rules do not show.
+            match propositions.extra[(proposition - propositions.fact_count) as usize] {
+                Meaning::Literal(fact, _) => {
+                    !model.initial_facts[fact as usize] || model.window_of[fact as usize] != NONE
+                }
+                Meaning::Numeric(_) => true,
+            }
+        };
+        if open {
+            label[proposition as usize] = if model_window(model, propositions, proposition) {
+                // Timed literals: true from the first moment that the state knows of.
+                let holds = propositions.holds(initial, proposition);
+                let time = propositions.time(model, initial, proposition);
+                if holds && time.is_finite() {
+                    0.0f64.min(time)
+                } else {
+                    time
+                }
+            } else {
+                0.0
+            };
+            if label[proposition as usize].is_finite() {
+                queue.push(Reverse((
+                    label[proposition as usize].to_bits(),
+                    proposition,
+                )));
+            }
+        }
+    }
+    let mut fire =
+        |rule_index: usize, label: &mut Vec<f64>, queue: &mut BinaryHeap<Reverse<(u64, u32)>>| {
+            let rule = &propositions.rules[rule_index];
+            let shape = &model.shapes[rule.operator as usize];
+            // A duration that depends on the state may be anything.
+            let duration = if shape.duration.is_nan() {
+                0.0
+            } else {
+                shape.duration
+            };
+            let mut start = 0.0f64;
+            for need in propositions.needs(rule) {
+                if !counts(propositions, rule, need) {
+                    continue;
+                }
+                let time = label[need.proposition as usize];
+                let lag = if need.at_end { duration } else { 0.0 };
+                // What an operator had to change can be read, but not hold throughout, only later.
+                let apart = if time > 0.0 && !need.throughout {
+                    EPSILON
+                } else {
+                    0.0
+                };
+                start = start.max(time + apart - lag);
+            }
+            for add in propositions.adds(rule) {
+                let time = start + if add.at_end { duration } else { 0.0 };
+                let index = add.proposition as usize;
+                finished[index] = finished[index].min(start + duration);
+                if time < label[index] {
+                    label[index] = time;
+                    queue.push(Reverse((time.to_bits(), add.proposition)));
+                }
+            }
+        };
+    for (index, waiting) in waiting.iter().enumerate() {
+        if *waiting == 0 {
+            fire(index, &mut label, &mut queue);
+        }
+    }
+    while let Some(Reverse((_, proposition))) = queue.pop() {
+        if std::mem::replace(&mut settled[proposition as usize], true) {
+            continue;
+        }
+        for index in propositions.needing.row(proposition) {
+            let rule = &propositions.rules[*index as usize];
+            // A proposition needed at start and at end is listed, and settled, twice.
+            let Some(need) = propositions
+                .needs(rule)
+                .iter()
+                .find(|need| need.proposition == proposition && counts(propositions, rule, need))
+            else {
+                continue;
+            };
+            let _ = need;
+            waiting[*index as usize] -= 1;
+            if waiting[*index as usize] == 0 {
+                fire(*index as usize, &mut label, &mut queue);
+            }
+        }
+    }
+    let goals = propositions.goal.iter().map(|goal| {
+        let index = *goal as usize;
+        let exogenous = model_window(model, propositions, *goal);
+        if propositions.holds(initial, *goal) || exogenous {
+            0.0
+        } else if propositions.literal(*goal).is_none() {
+            // A numeric goal that does not hold needs at least one operator that changes it.
+            if finished[index].is_finite() {
+                finished[index]
+            } else {
+                0.0
+            }
+        } else {
+            finished[index]
+        }
+    });
+    goals.collect()
+}
+
+/// Whether a need delays a rule in the bound: needs at the end do not delay start effects.
+fn counts(propositions: &Propositions, rule: &Rule, need: &Term) -> bool {
+    !need.at_end || propositions.adds(rule).iter().all(|add| add.at_end)
+}
+
+fn model_window(model: &Model, propositions: &Propositions, proposition: u32) -> bool {
+    propositions
+        .literal(proposition)
+        .is_some_and(|(fact, _)| model.window_of[fact as usize] != NONE)
+}

@@ -1,0 +1,28 @@
+//! The list-schedule space: plans as lists of operators, each dispatched at its earliest start.
+//!
+//! ```text
+//! optimiser ──► construction, repair (of neighbours) ──► workshop.achieve ──► exploration
+//!     │                      │                                                    │
+//!     └─► lower_bound        └─► links (what each operator is for)                └─► propositions
+//!                                              all on: state (dispatch, undo) ──► model
+//! ```
+//!
+//! The order of the list need not be the order of time, so there are no waits to decide on, and
+//! trying a changed list takes microseconds. What the space cannot express
+//! ([`Optimiser::new`] returns `None`, or required concurrency) is left to the decision-epoch
+//! search.
+
+mod construction;
+mod exploration;
+mod links;
+mod lower_bound;
+mod model;
+mod neighbourhood;
+mod objective;
+mod optimiser;
+mod propositions;
+mod repair;
+mod state;
+mod workshop;
+
+pub use optimiser::{Ending, Limits, Optimiser, Schedule, ScheduledOperator};

@@ -1,0 +1,382 @@
+//! The anytime optimiser: multi-start construction, then simulated annealing over list
+//! neighbourhoods in cycles of growing length.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use rand::RngExt;
+use rustc_hash::FxHashMap;
+
+use crate::plan::Plan;
+use crate::schedule::links::{Element, Links, Role};
+use crate::schedule::model::NONE;
+use crate::schedule::repair::Item;
+use crate::schedule::state::Dispatch;
+use crate::schedule::workshop::Workshop;
+use crate::task::{OperatorId, Task};
+
+/// Temperatures of annealing, relative to the value of the best plan.
+const HOT: f64 = 0.02;
+const COLD: f64 = 0.001;
+/// Iterations of the first cycle; each later one is longer.
+const FIRST_CYCLE: u64 = 1_500;
+
+/// What bounds a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits<'a> {
+    /// When to stop.
+    pub deadline: Option<Instant>,
+    /// Set by somebody else to stop.
+    pub cancel: &'a AtomicBool,
+    /// Largest number of lists to try.
+    pub nodes: Option<u64>,
+}
+
+impl Limits<'_> {
+    fn reached(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+            || self
+                .deadline
+                .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}
+
+/// One operator of a plan with its start and duration [s].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScheduledOperator {
+    /// Which.
+    pub operator: OperatorId,
+    /// Start [s].
+    pub start: f64,
+    /// Duration [s]; `None` for an instantaneous action.
+    pub duration: Option<f64>,
+}
+
+/// A valid plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Schedule {
+    /// Its operators, by start.
+    pub operators: Vec<ScheduledOperator>,
+    /// End of the last one [s].
+    pub makespan: f64,
+    /// What was minimised: the makespan, or the metric (negated to maximise).
+    pub cost: f64,
+}
+
+impl Schedule {
+    /// The plan with names.
+    #[must_use]
+    pub fn plan(&self, task: &Task) -> Plan {
+        let steps = self
+            .operators
+            .iter()
+            .map(|entry| task.step(entry.operator, entry.start, entry.duration));
+        Plan {
+            steps: steps.collect(),
+        }
+    }
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The best plan is as good as the lower bound.
+    Optimal,
+    /// A limit was reached.
+    Limit,
+    /// The relaxation has no plan.
+    Unsolvable,
+}
+
+/// Searches the list schedules of one task; deterministic for task, seed and node limit.
+#[derive(Clone, Debug)]
+pub struct Optimiser<'t> {
+    task: &'t Task,
+    workshop: Workshop,
+    links: Links,
+    bound: f64,
+    persistent: Vec<u32>,
+    best: Option<Schedule>,
+    best_list: Vec<Element>,
+    /// Lists tried.
+    nodes: u64,
+}
+
+impl<'t> Optimiser<'t> {
+    /// Compiles a task; `None` if it needs the other search space (attachments that depend on the
+    /// state, derived facts).
+    #[must_use]
+    pub fn new(task: &'t Task, seed: u64) -> Option<Self> {
+        let workshop = Workshop::new(task, seed)?;
+        let bound = if workshop.model.excluded_any {
+            0.0
+        } else {
+            workshop.reach.iter().copied().fold(0.0, f64::max)
+        };
+        let persistent = (0..task.facts.len() as u32)
+            .filter(|fact| {
+                !workshop.model.deletable[*fact as usize]
+                    && !workshop.model.initial_facts[*fact as usize]
+                    && !workshop.propositions.needing.row(*fact).is_empty()
+                    && !workshop.propositions.adding.row(*fact).is_empty()
+            })
+            .collect();
+        Some(Self {
+            task,
+            workshop,
+            links: Links::default(),
+            bound,
+            persistent,
+            best: None,
+            best_list: Vec::new(),
+            nodes: 0,
+        })
+    }
+
+    /// No plan has a smaller makespan [s]; infinite if the relaxation has no plan.
+    #[must_use]
+    pub fn lower_bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// The best plan so far.
+    #[must_use]
+    pub fn best(&self) -> Option<&Schedule> {
+        self.best.as_ref()
+    }
+
+    /// Lists tried so far.
+    #[must_use]
+    pub fn nodes(&self) -> u64 {
+        self.nodes
+    }
+
+    /// Searches until a limit is reached or the best plan is proved optimal. `incumbent` is the
+    /// order of an earlier plan: what still applies of it is kept. Each better plan is reported.
+    pub fn run(
+        &mut self,
+        incumbent: Option<&[OperatorId]>,
+        limits: &Limits<'_>,
+        on_plan: &mut dyn FnMut(&Schedule),
+    ) -> Ending {
+        if self.bound.is_infinite() {
+            return Ending::Unsolvable;
+        }
+        let nodes_before = self.nodes;
+        let done = |nodes: u64| {
+            limits.reached()
+                || limits
+                    .nodes
+                    .is_some_and(|limit| nodes - nodes_before >= limit)
+        };
+        if let Some(operators) = incumbent {
+            self.adopt(operators, limits, on_plan);
+        }
+        let starts = self.begin(limits, nodes_before, on_plan);
+        if !starts {
+            return if self.proved() {
+                Ending::Optimal
+            } else {
+                Ending::Limit
+            };
+        }
+        let mut length = FIRST_CYCLE;
+        let mut cycle = 0;
+        while !done(self.nodes) && !self.proved() {
+            let remaining = limits
+                .nodes
+                .map_or(u64::MAX, |limit| limit - (self.nodes - nodes_before));
+            self.anneal(cycle, length.min(remaining), limits, on_plan);
+            cycle += 1;
+            length += length / 2;
+        }
+        if self.proved() {
+            Ending::Optimal
+        } else {
+            Ending::Limit
+        }
+    }
+
+    fn proved(&self) -> bool {
+        self.workshop.objective.is_makespan()
+            && self
+                .best
+                .as_ref()
+                .is_some_and(|best| best.makespan <= self.bound + 1e-6 + self.slack())
+    }
+
+    /// The bound knows no epsilons: those that separate the steps of the best plan do not count.
+    fn slack(&self) -> f64 {
+        0.0
+    }
+
+    /// Repairs an earlier plan.
+    fn adopt(
+        &mut self,
+        operators: &[OperatorId],
+        limits: &Limits<'_>,
+        on_plan: &mut dyn FnMut(&Schedule),
+    ) {
+        let list: Vec<u32> = operators.iter().map(|operator| operator.0).collect();
+        let elements = self.links.elements(
+            &self.workshop.model,
+            &self.workshop.propositions,
+            &list,
+            true,
+        );
+        let useful = |element: &&Element| element.role != Role::Useless || element.primary != NONE;
+        let items: Vec<Item> = elements.iter().filter(useful).map(Item::Keep).collect();
+        let labelling = self.workshop.labelling();
+        let stop = || limits.reached();
+        self.nodes += 1;
+        if self
+            .workshop
+            .repair(&items, labelling, f64::INFINITY, &stop)
+        {
+            let elements = self.workshop.prune(&mut self.links);
+            self.offer(&elements, on_plan);
+        }
+    }
+
+    /// Constructs plans until there is one to start from, and some more.
+    fn begin(
+        &mut self,
+        limits: &Limits<'_>,
+        nodes_before: u64,
+        on_plan: &mut dyn FnMut(&Schedule),
+    ) -> bool {
+        let stop = || limits.reached();
+        let mut found = 0;
+        let wanted = if self.best.is_some() { 4 } else { 12 };
+        while found < wanted {
+            let spent = self.nodes - nodes_before;
+            if stop() || limits.nodes.is_some_and(|limit| spent >= limit) || self.proved() {
+                break;
+            }
+            self.nodes += 1;
+            let bound = self.threshold();
+            if self.workshop.construct(self.nodes == 1, bound, &stop) {
+                let elements = self.workshop.prune(&mut self.links);
+                self.offer(&elements, on_plan);
+            }
+            found += u32::from(self.best.is_some());
+        }
+        self.best.is_some() && !self.proved()
+    }
+
+    /// Schedules that end later than this cannot be better than the best.
+    fn threshold(&self) -> f64 {
+        match &self.best {
+            Some(best) if self.workshop.objective.is_makespan() => best.makespan,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Takes the schedule under construction if it is better than the best.
+    fn offer(&mut self, elements: &[Element], on_plan: &mut dyn FnMut(&Schedule)) {
+        let cost = self.workshop.objective.primary(&self.workshop.state);
+        let makespan = self.workshop.state.makespan;
+        let better = self.best.as_ref().is_none_or(|best| {
+            cost < best.cost - 1e-9 || (cost <= best.cost + 1e-9 && makespan < best.makespan - 1e-9)
+        });
+        if !better || cost.is_nan() {
+            return;
+        }
+        let mut operators: Vec<ScheduledOperator> = self
+            .workshop
+            .state
+            .list
+            .iter()
+            .map(|dispatch| self.scheduled(*dispatch))
+            .collect();
+        operators.sort_by(|left, right| left.start.total_cmp(&right.start));
+        let schedule = Schedule {
+            operators,
+            makespan,
+            cost,
+        };
+        on_plan(&schedule);
+        self.best = Some(schedule);
+        self.best_list = elements.to_vec();
+    }
+
+    fn scheduled(&self, dispatch: Dispatch) -> ScheduledOperator {
+        let shape = &self.workshop.model.shapes[dispatch.operator as usize];
+        ScheduledOperator {
+            operator: OperatorId(dispatch.operator),
+            start: dispatch.start,
+            duration: (!shape.instantaneous).then_some(dispatch.duration),
+        }
+    }
+
+    /// One cycle of simulated annealing.
+    fn anneal(
+        &mut self,
+        cycle: u32,
+        length: u64,
+        limits: &Limits<'_>,
+        on_plan: &mut dyn FnMut(&Schedule),
+    ) {
+        let stop = || limits.reached();
+        let mut current = self.best_list.clone();
+        self.workshop
+            .replay(current.iter().map(|element| element.operator));
+        if cycle % 3 == 2 {
+            // From somewhere else.
+            self.nodes += 1;
+            if self.workshop.construct(false, f64::INFINITY, &stop) {
+                current = self.workshop.prune(&mut self.links);
+            } else {
+                self.workshop
+                    .replay(current.iter().map(|element| element.operator));
+            }
+        }
+        let mut value = self.workshop.value();
+        let scale = value.abs().max(1e-3);
+        for iteration in 0..length {
+            if self.proved() || stop() {
+                return;
+            }
+            self.nodes += 1;
+            let progress = iteration as f64 / length as f64;
+            let temperature = scale * HOT * (COLD / HOT).powf(progress);
+            let luck: f64 = self.workshop.random.random();
+            let accepted = value - temperature * luck.max(1e-12).ln();
+            // The value is never below the makespan: stop schedules that end too late.
+            let bound = if self.workshop.objective.is_makespan() {
+                accepted
+            } else {
+                f64::INFINITY
+            };
+            let labelling = self.workshop.labelling();
+            let items = self
+                .workshop
+                .neighbour(self.task, &current, &self.persistent);
+            if !self.workshop.repair(&items, labelling, bound, &stop) {
+                continue;
+            }
+            let elements = self.workshop.prune(&mut self.links);
+            let candidate = self.workshop.value();
+            if candidate <= accepted {
+                value = candidate;
+                self.offer(&elements, on_plan);
+                current = elements;
+            }
+        }
+    }
+}
+
+/// Statistics of a search, for measurements.
+impl Optimiser<'_> {
+    /// Propositions achieved by exploration and labels settled.
+    #[must_use]
+    pub fn exploration_counts(&self) -> (u64, u64) {
+        (self.workshop.achieved, self.workshop.exploration.settled)
+    }
+
+    /// Names of what is counted, for messages.
+    #[must_use]
+    pub fn persistent_count(&self) -> FxHashMap<&'static str, usize> {
+        FxHashMap::from_iter([("persistent facts", self.persistent.len())])
+    }
+}

@@ -1,0 +1,471 @@
+//! The delete relaxation of a task: literals and numeric conditions as propositions, operators as
+//! rules from propositions to propositions.
+
+use rustc_hash::FxHashMap;
+
+use crate::pddl::model::{Assignment, Comparison};
+use crate::schedule::model::{Comparing, Model, NONE, NumericWrite, When, fluents_of, literals};
+use crate::schedule::state::State;
+use crate::task::{Conjunction, GroundExpression, NumericCondition};
+
+/// A rule of the relaxation: an operator, or one conditional effect of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Rule {
+    pub operator: u32,
+    pub duration: f32,
+    /// What running it costs besides time.
+    pub cost: f32,
+    needs: (u32, u32),
+    adds: (u32, u32),
+}
+
+/// A proposition that a rule needs or adds.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    pub proposition: u32,
+    pub at_end: bool,
+    /// Needed between start and end only.
+    pub throughout: bool,
+}
+
+/// What a proposition stands for.
+#[derive(Clone, Debug)]
+pub enum Meaning {
+    /// A fact with this value.
+    Literal(u32, bool),
+    /// A comparison of fluents.
+    Numeric(u32),
+}
+
+/// Compressed sparse rows.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    from: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Rows {
+    fn new(count: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
+        let mut from = vec![0u32; count + 1];
+        for (row, _) in pairs.clone() {
+            from[row as usize + 1] += 1;
+        }
+        for row in 0..count {
+            from[row + 1] += from[row];
+        }
+        let mut next = from.clone();
+        let mut items = vec![0; from[count] as usize];
+        for (row, item) in pairs {
+            items[next[row as usize] as usize] = item;
+            next[row as usize] += 1;
+        }
+        Self { from, items }
+    }
+
+    /// The items of a row.
+    pub fn row(&self, row: u32) -> &[u32] {
+        let row = row as usize;
+        &self.items[self.from[row] as usize..self.from[row + 1] as usize]
+    }
+}
+
+/// The delete relaxation.
+#[derive(Clone, Debug)]
+pub struct Propositions {
+    /// Propositions below this are the facts, true.
+    pub fact_count: u32,
+    /// The others.
+    pub extra: Vec<Meaning>,
+    pub comparisons: Vec<Comparing>,
+    pub rules: Vec<Rule>,
+    needs: Vec<Term>,
+    adds: Vec<Term>,
+    /// Rules that need a proposition.
+    pub needing: Rows,
+    /// Rules that add a proposition.
+    pub adding: Rows,
+    negation_of: Vec<u32>,
+    /// Propositions of the goal.
+    pub goal: Vec<u32>,
+    /// First rule of each operator.
+    pub rule_of: Vec<u32>,
+}
+
+#[derive(Default)]
+struct Numbering {
+    negation_of: Vec<u32>,
+    extra: Vec<Meaning>,
+    comparisons: Vec<Comparing>,
+    seen: FxHashMap<String, u32>,
+    by_fluent: FxHashMap<u32, Vec<u32>>,
+}
+
+impl Numbering {
+    fn literal(&mut self, fact: u32, value: bool) -> u32 {
+        if value {
+            return fact;
+        }
+        let next = (self.negation_of.len() + self.extra.len()) as u32;
+        let slot = &mut self.negation_of[fact as usize];
+        if *slot == NONE {
+            *slot = next;
+            self.extra.push(Meaning::Literal(fact, false));
+        }
+        *slot
+    }
+
+    fn comparison(&mut self, condition: &NumericCondition) -> u32 {
+        let key = format!("{condition:?}");
+        if let Some(seen) = self.seen.get(&key) {
+            return *seen;
+        }
+        let proposition = (self.negation_of.len() + self.extra.len()) as u32;
+        let mut reads = Vec::new();
+        let _ = fluents_of(&condition.left, &mut reads);
+        let _ = fluents_of(&condition.right, &mut reads);
+        for fluent in &reads {
+            self.by_fluent.entry(*fluent).or_default().push(proposition);
+        }
+        self.extra
+            .push(Meaning::Numeric(self.comparisons.len() as u32));
+        self.comparisons.push(Comparing {
+            condition: condition.clone(),
+            when: When::Start,
+            reads,
+        });
+        self.seen.insert(key, proposition);
+        proposition
+    }
+
+    fn conjunction(&mut self, condition: &Conjunction, at_end: bool, needs: &mut Vec<Term>) {
+        for (fact, value) in literals(condition) {
+            let proposition = self.literal(fact, value);
+            needs.push(Term {
+                proposition,
+                at_end,
+                throughout: true,
+            });
+        }
+        for comparison in &condition.comparisons {
+            if !uses_duration(comparison) {
+                let proposition = self.comparison(comparison);
+                needs.push(Term {
+                    proposition,
+                    at_end,
+                    throughout: true,
+                });
+            }
+        }
+    }
+}
+
+fn uses_duration(condition: &NumericCondition) -> bool {
+    fn walk(expression: &GroundExpression) -> bool {
+        match expression {
+            GroundExpression::Duration => true,
+            GroundExpression::Binary(_, left, right) => walk(left) || walk(right),
+            _ => false,
+        }
+    }
+    walk(&condition.left) || walk(&condition.right)
+}
+
+impl Propositions {
+    /// Relaxes a task. `costs` are the operators' costs besides time.
+    pub fn new(model: &Model, initial: &State, costs: &[f32]) -> Self {
+        let mut numbering = Numbering {
+            negation_of: vec![NONE; model.fact_count],
+            ..Numbering::default()
+        };
+        let mut rules = Vec::new();
+        let mut needs = Vec::new();
+        let mut adds: Vec<Term> = Vec::new();
+        // All conditions first: effects on literals that nobody needs are left out.
+        let mut ranges = Vec::with_capacity(model.shapes.len());
+        for operator in 0..model.shapes.len() as u32 {
+            let from = needs.len();
+            for read in model.reads(operator) {
+                if !read.own {
+                    needs.push(Term {
+                        proposition: numbering.literal(read.fact, read.value),
+                        at_end: read.when == When::End,
+                        throughout: read.when == When::Throughout,
+                    });
+                }
+            }
+            if let Some(detail) = model.detail(operator) {
+                for comparing in &detail.comparisons {
+                    let own = detail
+                        .numeric
+                        .iter()
+                        .any(|write| !write.at_end && comparing.reads.contains(&write.fluent.0));
+                    if uses_duration(&comparing.condition) || (own && comparing.when != When::Start)
+                    {
+                        continue;
+                    }
+                    needs.push(Term {
+                        proposition: numbering.comparison(&comparing.condition),
+                        at_end: comparing.when == When::End,
+                        throughout: comparing.when == When::Throughout,
+                    });
+                }
+            }
+            ranges.push((from as u32, needs.len() as u32));
+        }
+        let mut goal: Vec<u32> = model
+            .goal
+            .iter()
+            .map(|(fact, value)| numbering.literal(*fact, *value))
+            .collect();
+        for comparing in &model.goal_comparisons {
+            goal.push(numbering.comparison(&comparing.condition));
+        }
+        let mut conditional_needs = Vec::new();
+        for operator in 0..model.shapes.len() as u32 {
+            if let Some(detail) = model.detail(operator) {
+                for effect in &detail.conditional {
+                    let (from, to) = ranges[operator as usize];
+                    let mut own = needs[from as usize..to as usize].to_vec();
+                    for (index, part) in effect.condition.iter().enumerate() {
+                        numbering.conjunction(part, index == 2 && effect.at_end, &mut own);
+                    }
+                    conditional_needs.push(own);
+                }
+            }
+        }
+        let mut conditional_needs = conditional_needs.into_iter();
+        let mut rule_of = vec![NONE; model.shapes.len()];
+        for operator in 0..model.shapes.len() as u32 {
+            let shape = &model.shapes[operator as usize];
+            let detail = model.detail(operator);
+            let conditional: Vec<_> = detail
+                .map(|detail| {
+                    detail
+                        .conditional
+                        .iter()
+                        .map(|effect| (effect, conditional_needs.next().unwrap_or_default()))
+                        .collect()
+                })
+                .unwrap_or_default();
+            if shape.excluded {
+                continue;
+            }
+            let duration = if shape.duration.is_nan() {
+                detail
+                    .and_then(|detail| detail.bounds.as_ref())
+                    .map(|(low, _, _)| initial.evaluate(low, 0.0, &[]))
+                    .filter(|low| low.is_finite())
+                    .unwrap_or(0.0)
+                    .max(0.0)
+            } else {
+                shape.duration
+            } as f32;
+            let from = adds.len() as u32;
+            for write in model.writes(operator) {
+                let overwritten = !write.at_end
+                    && model
+                        .writes(operator)
+                        .iter()
+                        .any(|other| other.at_end && other.fact == write.fact);
+                if overwritten && !write.value {
+                    continue;
+                }
+                let proposition = if write.value {
+                    write.fact
+                } else {
+                    numbering.negation_of[write.fact as usize]
+                };
+                if proposition != NONE {
+                    adds.push(Term {
+                        proposition,
+                        at_end: write.at_end,
+                        throughout: false,
+                    });
+                }
+            }
+            if let Some(detail) = detail {
+                for write in &detail.numeric {
+                    helped(&numbering, initial, write, &mut adds);
+                }
+            }
+            rule_of[operator as usize] = rules.len() as u32;
+            rules.push(Rule {
+                operator,
+                duration,
+                cost: costs[operator as usize],
+                needs: ranges[operator as usize],
+                adds: (from, adds.len() as u32),
+            });
+            for (effect, own) in conditional {
+                let needs_from = needs.len() as u32;
+                needs.extend(own);
+                let from = adds.len() as u32;
+                if let Some((fact, value)) = effect.fact {
+                    let proposition = if value {
+                        fact
+                    } else {
+                        numbering.negation_of[fact as usize]
+                    };
+                    if proposition != NONE {
+                        adds.push(Term {
+                            proposition,
+                            at_end: effect.at_end,
+                            throughout: false,
+                        });
+                    }
+                }
+                if let Some(write) = &effect.fluent {
+                    helped(&numbering, initial, write, &mut adds);
+                }
+                rules.push(Rule {
+                    operator,
+                    duration,
+                    cost: costs[operator as usize],
+                    needs: (needs_from, needs.len() as u32),
+                    adds: (from, adds.len() as u32),
+                });
+            }
+        }
+        let count = model.fact_count + numbering.extra.len();
+        let rows = |terms: &[Term], pick: fn(&Rule) -> (u32, u32)| {
+            let pairs: Vec<(u32, u32)> = rules
+                .iter()
+                .enumerate()
+                .flat_map(|(index, rule)| {
+                    let (from, to) = pick(rule);
+                    terms[from as usize..to as usize]
+                        .iter()
+                        .map(move |term| (term.proposition, index as u32))
+                })
+                .collect();
+            Rows::new(count, pairs.iter().copied())
+        };
+        let needing = rows(&needs, |rule| rule.needs);
+        let adding = rows(&adds, |rule| rule.adds);
+        Self {
+            fact_count: model.fact_count as u32,
+            extra: numbering.extra,
+            comparisons: numbering.comparisons,
+            rules,
+            needs,
+            adds,
+            needing,
+            adding,
+            negation_of: numbering.negation_of,
+            goal,
+            rule_of,
+        }
+    }
+
+    /// How many propositions there are.
+    pub fn count(&self) -> usize {
+        self.fact_count as usize + self.extra.len()
+    }
+
+    /// What a rule needs.
+    pub fn needs(&self, rule: &Rule) -> &[Term] {
+        &self.needs[rule.needs.0 as usize..rule.needs.1 as usize]
+    }
+
+    /// What a rule adds.
+    pub fn adds(&self, rule: &Rule) -> &[Term] {
+        &self.adds[rule.adds.0 as usize..rule.adds.1 as usize]
+    }
+
+    /// The proposition of a literal; [`NONE`] if nothing ever needs it.
+    pub fn of_literal(&self, fact: u32, value: bool) -> u32 {
+        if value {
+            fact
+        } else {
+            self.negation_of[fact as usize]
+        }
+    }
+
+    /// The literal behind a proposition, unless it is numeric.
+    pub fn literal(&self, proposition: u32) -> Option<(u32, bool)> {
+        if proposition < self.fact_count {
+            return Some((proposition, true));
+        }
+        match self.extra[(proposition - self.fact_count) as usize] {
+            Meaning::Literal(fact, value) => Some((fact, value)),
+            Meaning::Numeric(_) => None,
+        }
+    }
+
+    /// Whether a proposition holds at the end of a schedule.
+    pub fn holds(&self, state: &State, proposition: u32) -> bool {
+        if proposition < self.fact_count {
+            return state.facts[proposition as usize].value;
+        }
+        match self.extra[(proposition - self.fact_count) as usize] {
+            Meaning::Literal(fact, value) => state.holds(fact, value),
+            Meaning::Numeric(index) => state.compares(&self.comparisons[index as usize], 0.0, &[]),
+        }
+    }
+
+    /// When a proposition that holds became so [s].
+    pub fn time(&self, model: &Model, state: &State, proposition: u32) -> f64 {
+        if proposition < self.fact_count {
+            return state.available(model, proposition, true);
+        }
+        match self.extra[(proposition - self.fact_count) as usize] {
+            Meaning::Literal(fact, value) => state.available(model, fact, value),
+            Meaning::Numeric(index) => self.comparisons[index as usize]
+                .reads
+                .iter()
+                .map(|fluent| state.fluents[*fluent as usize].changed)
+                .fold(0.0, f64::max),
+        }
+    }
+}
+
+/// Adds the numeric conditions that a change may help to make true.
+fn helped(numbering: &Numbering, initial: &State, write: &NumericWrite, adds: &mut Vec<Term>) {
+    let Some(conditions) = numbering.by_fluent.get(&write.fluent.0) else {
+        return;
+    };
+    let amount = initial.evaluate(&write.value, 1.0, &[]);
+    for proposition in conditions {
+        let Meaning::Numeric(index) =
+            numbering.extra[*proposition as usize - numbering.negation_of.len()]
+        else {
+            continue;
+        };
+        if helps(
+            initial,
+            write,
+            amount,
+            &numbering.comparisons[index as usize],
+        ) {
+            adds.push(Term {
+                proposition: *proposition,
+                at_end: write.at_end,
+                throughout: false,
+            });
+        }
+    }
+}
+
+fn helps(initial: &State, write: &NumericWrite, amount: f64, comparing: &Comparing) -> bool {
+    let change = match write.assignment {
+        Assignment::Increase => amount,
+        Assignment::Decrease => -amount,
+        _ => return true,
+    };
+    let condition = &comparing.condition;
+    let old = initial.fluents[write.fluent.index()].value;
+    let difference = |value: f64| {
+        let overlay = [(write.fluent.0, value)];
+        initial.evaluate(&condition.left, 0.0, &overlay)
+            - initial.evaluate(&condition.right, 0.0, &overlay)
+    };
+    let growth = difference(old + change) - difference(old);
+    if growth.is_nan() {
+        return true;
+    }
+    match condition.comparison {
+        Comparison::Less | Comparison::LessEqual => growth < 0.0,
+        Comparison::Greater | Comparison::GreaterEqual => growth > 0.0,
+        Comparison::Equal => growth != 0.0,
+    }
+}

@@ -1,0 +1,127 @@
+//! Executing a changed list: what still applies is applied, what does not is substituted or
+//! achieved anew, what is no longer needed is left out.
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+
+use crate::schedule::exploration::{Labelling, Restriction};
+use crate::schedule::links::{Element, Links, Role};
+use crate::schedule::model::NONE;
+use crate::schedule::workshop::Workshop;
+
+/// One entry of a changed list.
+#[derive(Clone, Debug)]
+pub enum Item<'e> {
+    /// An operator of the list it was made from.
+    Keep(&'e Element),
+    /// A proposition to achieve here.
+    Achieve(u32, Restriction),
+}
+
+impl Workshop {
+    /// Executes a changed list and achieves the goals that it leaves open. False if that fails or
+    /// an operator would end after the bound.
+    pub fn repair(
+        &mut self,
+        items: &[Item<'_>],
+        labelling: Labelling,
+        bound: f64,
+        stop: &dyn Fn() -> bool,
+    ) -> bool {
+        self.state.reset();
+        let faithful = self.random.random_bool(0.8);
+        let mend_transit = self.random.random_bool(0.5);
+        for item in items {
+            match item {
+                Item::Achieve(proposition, restriction) => {
+                    if !self.holds(*proposition)
+                        && !self.achieve(*proposition, labelling, *restriction, bound)
+                        && self.state.makespan >= bound
+                    {
+                        return false;
+                    }
+                }
+                Item::Keep(element) => {
+                    let served = !element.purposes.is_empty()
+                        && element
+                            .purposes
+                            .iter()
+                            .all(|(fact, value)| self.state.holds(*fact, *value));
+                    if served {
+                        continue;
+                    }
+                    if let Some(dispatch) = self.state.earliest(&self.model, element.operator) {
+                        if dispatch.end() >= bound {
+                            return false;
+                        }
+                        self.state.apply(&self.model, dispatch);
+                        continue;
+                    }
+                    if element.primary == NONE
+                        || self.holds(element.primary)
+                        || (element.role == Role::Transit && !mend_transit)
+                    {
+                        continue;
+                    }
+                    match self.substitute(element.primary, element.operator, faithful) {
+                        Some(dispatch) if dispatch.end() < bound => {
+                            self.state.apply(&self.model, dispatch);
+                        }
+                        Some(_) => return false,
+                        None if element.role == Role::Transit => {}
+                        None => {
+                            if stop() {
+                                return false;
+                            }
+                            self.achieve(element.primary, labelling, Restriction::default(), bound);
+                        }
+                    }
+                }
+            }
+            if self.state.list.len() > self.longest {
+                return false;
+            }
+        }
+        if self.goal_holds() {
+            return true;
+        }
+        let mut order = self.propositions.goal.clone();
+        order.shuffle(&mut self.random);
+        self.achieve_goals(&mut order, labelling, bound, stop)
+    }
+
+    /// Leaves out what the schedule does not need and sorts it by start, as far as it stays
+    /// executable and does not become worse. The schedule must reach the goal; returns its
+    /// elements.
+    pub fn prune(&mut self, links: &mut Links) -> Vec<Element> {
+        let value = self.value() + 1e-9;
+        let list = self.state.list.clone();
+        let original: Vec<u32> = list.iter().map(|dispatch| dispatch.operator).collect();
+        let mut by_start = list;
+        by_start.sort_by(|left, right| left.start.total_cmp(&right.start));
+        let by_start: Vec<u32> = by_start.iter().map(|dispatch| dispatch.operator).collect();
+        for base in [&by_start, &original] {
+            for cautious in [false, true] {
+                let mut operators = base.clone();
+                let elements = loop {
+                    let elements =
+                        links.elements(&self.model, &self.propositions, &operators, cautious);
+                    let needed = |element: &&Element| element.role != Role::Useless;
+                    if elements.iter().all(|element| needed(&element)) {
+                        break elements;
+                    }
+                    let needed = elements.iter().filter(needed);
+                    operators = needed.map(|element| element.operator).collect();
+                };
+                if self.replay(operators.iter().copied())
+                    && self.goal_holds()
+                    && self.value() <= value
+                {
+                    return elements;
+                }
+            }
+        }
+        self.replay(original.iter().copied());
+        links.elements(&self.model, &self.propositions, &original, true)
+    }
+}

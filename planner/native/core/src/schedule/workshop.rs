@@ -1,0 +1,249 @@
+//! What all schemes work with: the compiled task, one schedule under construction, the memory of
+//! the exploration; and the step they share: achieving one proposition.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::schedule::exploration::{Exploration, Labelling, Restriction};
+use crate::schedule::lower_bound::goal_bounds;
+use crate::schedule::model::{Model, NONE};
+use crate::schedule::objective::Objective;
+use crate::schedule::propositions::Propositions;
+use crate::schedule::state::{Dispatch, State};
+use crate::task::Task;
+
+/// How often a relaxed plan may be computed anew to achieve one proposition.
+const ATTEMPTS: u32 = 24;
+
+/// Tables, schedule under construction and memory.
+#[derive(Clone, Debug)]
+pub struct Workshop {
+    pub model: Model,
+    pub propositions: Propositions,
+    pub objective: Objective,
+    pub state: State,
+    pub exploration: Exploration,
+    pub random: ChaCha8Rng,
+    plans: Vec<Vec<(u32, u32)>>,
+    /// Longest list that is tried.
+    pub longest: usize,
+    /// How often each goal could not be achieved where it stood.
+    pub urgency: Vec<f64>,
+    /// Lower bound on the time at which each goal can hold [s].
+    pub reach: Vec<f64>,
+    /// Propositions achieved by exploration since creation.
+    pub achieved: u64,
+}
+
+impl Workshop {
+    /// Compiles a task; `None` if the list-schedule space cannot express it.
+    pub fn new(task: &Task, seed: u64) -> Option<Self> {
+        let model = Model::new(task)?;
+        let state = State::new(&model, task);
+        let objective = Objective::new(task, &model, &state)?;
+        let costs = objective.operator_costs(&model, &state);
+        let propositions = Propositions::new(&model, &state, &costs);
+        let exploration = Exploration::new(&propositions, objective.is_makespan());
+        Some(Self {
+            longest: 2_000 + 20 * model.goal.len(),
+            objective,
+            exploration,
+            random: ChaCha8Rng::seed_from_u64(seed),
+            plans: Vec::new(),
+            urgency: vec![0.0; propositions.goal.len()],
+            reach: goal_bounds(&model, &propositions, &state),
+            achieved: 0,
+            model,
+            propositions,
+            state,
+        })
+    }
+
+    /// Random labels: mostly earliest times, sometimes with weight on additive cost.
+    pub fn labelling(&mut self) -> Labelling {
+        let effort = if self.objective.is_makespan() {
+            [0.0, 0.0, 0.05, 0.2, 1.0][self.random.random_range(0..5)]
+        } else {
+            [0.1, 1.0, 10.0][self.random.random_range(0..3)]
+        };
+        Labelling {
+            effort,
+            noise: [0.0, 0.1, 0.5][self.random.random_range(0..3)],
+            salt: self.random.random(),
+            protect: self.random.random_bool(0.7),
+            windows: true,
+        }
+    }
+
+    /// Whether a proposition holds behind the list.
+    pub fn holds(&self, proposition: u32) -> bool {
+        self.propositions.holds(&self.state, proposition)
+    }
+
+    /// Whether a proposition holds or an operator may still read that it did.
+    fn readable(&self, proposition: u32) -> bool {
+        self.holds(proposition)
+            || (proposition < self.propositions.fact_count
+                && self.model.window_of[proposition as usize] != NONE
+                && self
+                    .state
+                    .available(&self.model, proposition, true)
+                    .is_finite())
+    }
+
+    /// Whether all goals hold.
+    pub fn goal_holds(&self) -> bool {
+        self.propositions.goal.iter().all(|goal| self.holds(*goal))
+    }
+
+    /// Appends an operator at its earliest start, unless it is not applicable or ends too late.
+    pub fn append(&mut self, operator: u32, bound: f64) -> bool {
+        match self.state.earliest(&self.model, operator) {
+            Some(dispatch) if dispatch.end() < bound => {
+                self.state.apply(&self.model, dispatch);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// The applicable operator that achieves a proposition first; one that also adds all that
+    /// `like` adds (and so moves the same objects) if there is any and `faithful` is set.
+    pub fn substitute(&self, proposition: u32, like: u32, faithful: bool) -> Option<Dispatch> {
+        let wanted = match self.propositions.rule_of[like as usize] {
+            NONE => &[],
+            rule => self
+                .propositions
+                .adds(&self.propositions.rules[rule as usize]),
+        };
+        let mut best: Option<(usize, Dispatch)> = None;
+        for rule in self.propositions.adding.row(proposition) {
+            let rule = &self.propositions.rules[*rule as usize];
+            let applicable = self
+                .propositions
+                .needs(rule)
+                .iter()
+                .all(|need| self.readable(need.proposition));
+            if !applicable {
+                continue;
+            }
+            let Some(dispatch) = self.state.earliest(&self.model, rule.operator) else {
+                continue;
+            };
+            let missing = if faithful {
+                let adds = self.propositions.adds(rule);
+                let lacks = |term: &&crate::schedule::propositions::Term| {
+                    !adds.iter().any(|add| add.proposition == term.proposition)
+                };
+                wanted.iter().filter(lacks).count().min(1)
+            } else {
+                0
+            };
+            let better = best
+                .as_ref()
+                .is_none_or(|(worse, other)| (missing, dispatch.end()) < (*worse, other.end()));
+            if better {
+                best = Some((missing, dispatch));
+            }
+        }
+        best.map(|(_, dispatch)| dispatch)
+    }
+
+    /// Appends operators until a proposition holds: executes relaxed plans as far as they are
+    /// executable. What was appended stays if it fails.
+    pub fn achieve(
+        &mut self,
+        target: u32,
+        labelling: Labelling,
+        restriction: Restriction,
+        bound: f64,
+    ) -> bool {
+        let mut plan = self.plans.pop().unwrap_or_default();
+        let reached = self.execute(target, labelling, restriction, bound, &mut plan);
+        self.plans.push(plan);
+        reached
+    }
+
+    fn execute(
+        &mut self,
+        target: u32,
+        mut labelling: Labelling,
+        mut restriction: Restriction,
+        bound: f64,
+        plan: &mut Vec<(u32, u32)>,
+    ) -> bool {
+        self.achieved += 1;
+        for _ in 0..ATTEMPTS {
+            if self.holds(target) {
+                return true;
+            }
+            if self.state.list.len() > self.longest {
+                return false;
+            }
+            let label = self.exploration.relaxed_plan(
+                &self.model,
+                &self.propositions,
+                &self.state,
+                target,
+                labelling,
+                restriction,
+                plan,
+            );
+            if !label.is_finite() {
+                if restriction.with.is_some() || restriction.without.is_some() {
+                    restriction = Restriction::default();
+                } else if labelling.protect {
+                    labelling.protect = false;
+                } else if labelling.windows && !self.model.windowed.is_empty() {
+                    labelling.windows = false;
+                } else {
+                    return false;
+                }
+                continue;
+            }
+            let before = self.state.list.len();
+            for (operator, proposition) in plan.iter().copied() {
+                if self.holds(proposition) {
+                    continue;
+                }
+                let dispatch = self
+                    .state
+                    .earliest(&self.model, operator)
+                    .or_else(|| self.substitute(proposition, operator, true));
+                let Some(dispatch) = dispatch else { break };
+                if dispatch.end() >= bound {
+                    return false;
+                }
+                self.state.apply(&self.model, dispatch);
+            }
+            if self.state.list.len() == before && labelling.windows {
+                labelling.windows = false;
+            } else if self.state.list.len() == before {
+                // The relaxation believes in something that does not work: look elsewhere.
+                if labelling.noise >= 2.0 {
+                    return false;
+                }
+                labelling.noise += 0.7;
+                labelling.salt = labelling.salt.wrapping_mul(747_796_405).wrapping_add(1);
+            }
+        }
+        false
+    }
+
+    /// Starts over with these operators, each at its earliest start; false if one does not apply.
+    pub fn replay(&mut self, operators: impl Iterator<Item = u32>) -> bool {
+        self.state.reset();
+        for operator in operators {
+            match self.state.earliest(&self.model, operator) {
+                Some(dispatch) => self.state.apply(&self.model, dispatch),
+                None => return false,
+            }
+        }
+        true
+    }
+
+    /// What the schedule under construction is worth; smaller is better.
+    pub fn value(&self) -> f64 {
+        self.objective.value(&self.model, &self.state)
+    }
+}
