@@ -42,6 +42,17 @@ pub struct Restriction {
     pub without: Option<u32>,
 }
 
+/// What to explore: from the state behind a list to one proposition.
+#[derive(Clone, Copy, Debug)]
+pub struct Question<'a> {
+    pub model: &'a Model,
+    pub propositions: &'a Propositions,
+    pub state: &'a State,
+    pub target: u32,
+    pub labelling: Labelling,
+    pub restriction: Restriction,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Label {
     time: f32,
@@ -144,75 +155,59 @@ impl Exploration {
 
     /// Finds a relaxed plan for a target that does not hold: operators with the propositions they
     /// were chosen for, in causal order. Returns the label of the target, infinite if unreachable.
-    pub fn relaxed_plan(
-        &mut self,
-        model: &Model,
-        propositions: &Propositions,
-        state: &State,
-        target: u32,
-        labelling: Labelling,
-        restriction: Restriction,
-        plan: &mut Vec<(u32, u32)>,
-    ) -> f32 {
+    pub fn relaxed_plan(&mut self, question: Question<'_>, plan: &mut Vec<(u32, u32)>) -> f32 {
         plan.clear();
-        self.ensure_distance(propositions, target);
+        let target = question.target;
+        self.ensure_distance(question.propositions, target);
         let Some(distance) = self.distances.remove(&target) else {
             return f32::INFINITY;
         };
-        let label = self.explore(
-            model,
-            propositions,
-            state,
-            target,
-            &distance,
-            labelling,
-            restriction,
-        );
+        let label = self.explore(&question, &distance);
         self.distances.insert(target, distance);
         if label.is_finite() {
-            self.extract(propositions, target, plan);
+            self.extract(question.propositions, target, plan);
         }
         label
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn explore(
-        &mut self,
-        model: &Model,
-        propositions: &Propositions,
-        state: &State,
-        target: u32,
-        distance: &[f32],
-        labelling: Labelling,
-        restriction: Restriction,
-    ) -> f32 {
+    fn explore(&mut self, question: &Question<'_>, distance: &[f32]) -> f32 {
+        let Question {
+            model,
+            propositions,
+            state,
+            target,
+            labelling,
+            ..
+        } = *question;
         self.generation += 1;
         let generation = self.generation;
         self.queue.clear();
-        let weight = self.weight(labelling);
         let mut bound = f32::INFINITY;
         for (index, word) in state.truth.iter().enumerate() {
             let mut word = *word;
             while word != 0 {
                 let fact = index as u32 * 64 + word.trailing_zeros();
                 word &= word - 1;
-                self.seed(model, propositions, state, fact, distance, weight);
+                self.seed(question, fact, distance);
             }
         }
         for index in 0..propositions.extra.len() as u32 {
             let proposition = propositions.fact_count + index;
             if distance[proposition as usize].is_finite() && propositions.holds(state, proposition)
             {
-                self.seed(model, propositions, state, proposition, distance, weight);
+                self.seed(question, proposition, distance);
             }
         }
-        for fact in model.windowed.iter().map(|fact| *fact as usize) {
-            if labelling.windows && !state.facts[fact].value {
-                let time = state.available(model, fact as u32, true);
-                if time.is_finite() {
-                    self.seed(model, propositions, state, fact as u32, distance, weight);
-                }
+        for fact in &model.windowed {
+            if labelling.windows
+                && !state.holds(*fact, true)
+                && state.available(model, *fact, true).is_finite()
+            {
+                self.seed(question, *fact, distance);
             }
+        }
+        for rule in &propositions.free {
+            self.fire(question, *rule, distance, &mut bound);
         }
         while let Some(Reverse(entry)) = self.queue.pop() {
             let proposition = entry as u32;
@@ -225,37 +220,21 @@ impl Exploration {
             if proposition == target {
                 return label.time + labelling.effort * label.cost;
             }
-            for rule_index in propositions.needing.row(proposition) {
-                self.fire(
-                    model,
-                    propositions,
-                    state,
-                    *rule_index,
-                    target,
-                    distance,
-                    labelling,
-                    restriction,
-                    &mut bound,
-                );
+            for rule in propositions.needing.row(proposition) {
+                self.fire(question, *rule, distance, &mut bound);
             }
         }
         f32::INFINITY
     }
 
-    fn seed(
-        &mut self,
-        model: &Model,
-        propositions: &Propositions,
-        state: &State,
-        proposition: u32,
-        distance: &[f32],
-        weight: f32,
-    ) {
+    fn seed(&mut self, question: &Question<'_>, proposition: u32, distance: &[f32]) {
         let ahead = distance[proposition as usize];
         if !ahead.is_finite() {
             return;
         }
-        let time = propositions.time(model, state, proposition) as f32;
+        let time = question
+            .propositions
+            .time(question.model, question.state, proposition) as f32;
         self.labels[proposition as usize] = Label {
             time,
             cost: 0.0,
@@ -263,22 +242,25 @@ impl Exploration {
             generation: self.generation,
             settled: false,
         };
-        self.queue.push(key(time + weight * ahead, proposition));
+        let priority = time + self.weight(question.labelling) * ahead;
+        self.queue.push(key(priority, proposition));
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn fire(
         &mut self,
-        model: &Model,
-        propositions: &Propositions,
-        state: &State,
+        question: &Question<'_>,
         rule_index: u32,
-        target: u32,
         distance: &[f32],
-        labelling: Labelling,
-        restriction: Restriction,
         bound: &mut f32,
     ) {
+        let Question {
+            model,
+            propositions,
+            state,
+            target,
+            labelling,
+            restriction,
+        } = *question;
         let rule = &propositions.rules[rule_index as usize];
         if labelling.protect && destroys(model, state, rule.operator) {
             return;

@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use rand::RngExt;
-use rustc_hash::FxHashMap;
 
 use crate::plan::Plan;
 use crate::schedule::links::{Element, Links, Role};
@@ -202,12 +201,7 @@ impl<'t> Optimiser<'t> {
             && self
                 .best
                 .as_ref()
-                .is_some_and(|best| best.makespan <= self.bound + 1e-6 + self.slack())
-    }
-
-    /// The bound knows no epsilons: those that separate the steps of the best plan do not count.
-    fn slack(&self) -> f64 {
-        0.0
+                .is_some_and(|best| best.makespan <= self.bound + 1e-6)
     }
 
     /// Repairs an earlier plan.
@@ -372,11 +366,5 @@ impl Optimiser<'_> {
     #[must_use]
     pub fn exploration_counts(&self) -> (u64, u64) {
         (self.workshop.achieved, self.workshop.exploration.settled)
-    }
-
-    /// Names of what is counted, for messages.
-    #[must_use]
-    pub fn persistent_count(&self) -> FxHashMap<&'static str, usize> {
-        FxHashMap::from_iter([("persistent facts", self.persistent.len())])
     }
 }

@@ -85,6 +85,8 @@ pub struct Propositions {
     /// Rules that add a proposition.
     pub adding: Rows,
     negation_of: Vec<u32>,
+    /// Rules that need nothing.
+    pub free: Vec<u32>,
     /// Propositions of the goal.
     pub goal: Vec<u32>,
     /// First rule of each operator.
@@ -341,6 +343,11 @@ impl Propositions {
             Rows::new(count, pairs.iter().copied())
         };
         let needing = rows(&needs, |rule| rule.needs);
+        let free = (0..rules.len() as u32).filter(|index| {
+            let (from, to) = rules[*index as usize].needs;
+            from == to
+        });
+        let free = free.collect();
         let adding = rows(&adds, |rule| rule.adds);
         Self {
             fact_count: model.fact_count as u32,
@@ -352,6 +359,7 @@ impl Propositions {
             needing,
             adding,
             negation_of: numbering.negation_of,
+            free,
             goal,
             rule_of,
         }

@@ -4,7 +4,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::schedule::exploration::{Exploration, Labelling, Restriction};
+use crate::schedule::exploration::{Exploration, Labelling, Question, Restriction};
 use crate::schedule::lower_bound::goal_bounds;
 use crate::schedule::model::{Model, NONE};
 use crate::schedule::objective::Objective;
@@ -96,17 +96,6 @@ impl Workshop {
         self.propositions.goal.iter().all(|goal| self.holds(*goal))
     }
 
-    /// Appends an operator at its earliest start, unless it is not applicable or ends too late.
-    pub fn append(&mut self, operator: u32, bound: f64) -> bool {
-        match self.state.earliest(&self.model, operator) {
-            Some(dispatch) if dispatch.end() < bound => {
-                self.state.apply(&self.model, dispatch);
-                true
-            }
-            _ => false,
-        }
-    }
-
     /// The applicable operator that achieves a proposition first; one that also adds all that
     /// `like` adds (and so moves the same objects) if there is any and `faithful` is set.
     pub fn substitute(&self, proposition: u32, like: u32, faithful: bool) -> Option<Dispatch> {
@@ -181,12 +170,14 @@ impl Workshop {
                 return false;
             }
             let label = self.exploration.relaxed_plan(
-                &self.model,
-                &self.propositions,
-                &self.state,
-                target,
-                labelling,
-                restriction,
+                Question {
+                    model: &self.model,
+                    propositions: &self.propositions,
+                    state: &self.state,
+                    target,
+                    labelling,
+                    restriction,
+                },
                 plan,
             );
             if !label.is_finite() {
