@@ -40,6 +40,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
         "Write plain PDDL 2.1 with the attachments' values as fluents.",
     ),
     "serve": ("service.commands.serve:serve", "Service", "Run the coordination service over HTTP."),
+    "new-key": ("service.commands.new_key:new_api_key", "Service", "Make an API key."),
 }
 """command: where it lives, its panel in the help, its line in the help"""
 

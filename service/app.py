@@ -8,13 +8,16 @@ from fastapi import FastAPI
 
 from domains import catalogue
 from service import json_body, problem_details
+from service.access import Gate
 from service.coordination.coordinator import LoopParameters
 from service.coordination.registry import Missions
 from service.coordination.strategies import all_strategies
 from service.jobs.planning_requests import PlanningRequests
 from service.jobs.process_pool import PoolParameters, ProcessPool
 from service.jobs.threads import PlanningThreads
-from service.routes import editors, health, mission_changes, mission_events, missions, plans
+from service.metrics import Metrics
+from service.observation import Observation
+from service.routes import editors, mission_changes, mission_events, missions, operations, plans
 from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
@@ -24,6 +27,8 @@ from service.store.plan_store import PlanStore
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The coordination service; opens its database when it starts, not before."""
     settings = settings or Settings()
+
+    metrics = Metrics()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -36,6 +41,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
                 settings.planning_memory_mb,
             )
         )
+        app.state.store, app.state.executor = store, pool
         app.state.planning_requests = PlanningRequests(PlanStore(engine), pool, catalogue.ROOT)
         planners = PlanningThreads(settings.planning_workers)
         app.state.missions = Missions(
@@ -43,6 +49,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             all_strategies(),
             planners,
             LoopParameters(debounce_s=settings.debounce_s, idle_replan_s=settings.idle_replan_s),
+            metrics,
             max_missions=settings.max_missions,
             max_map_cells=settings.max_map_cells,
         )
@@ -64,9 +71,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     app.state.settings = settings
+    app.state.metrics = metrics
+    app.state.gate = Gate(settings.api_keys)
+    app.add_middleware(Observation, metrics=metrics)
     problem_details.install(app)
     nouns = (missions, mission_changes, plans, editors)
     json_body.install_openapi(app, [body for noun in nouns for body in noun.BODIES])
-    for noun in (health, missions, mission_changes, mission_events, plans, editors):
+    for noun in (operations, missions, mission_changes, mission_events, plans, editors):
         app.include_router(noun.ROUTER)
     return app

@@ -4,6 +4,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.access import ApiKey
+
 
 class Settings(BaseModel):
     """How the service runs."""
@@ -12,6 +14,8 @@ class Settings(BaseModel):
 
     database_url: str = "sqlite:///marsupial.sqlite"
     """SQLAlchemy URL of the event log."""
+    api_keys: list[ApiKey] = Field(default_factory=list)
+    """Without keys everything is open."""
     planning_workers: int = Field(default=2, ge=1)
     """Replans computed at the same time."""
     planning_processes: int = Field(default=2, ge=1)

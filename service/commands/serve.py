@@ -1,14 +1,22 @@
 """`marsupial serve`."""
 
 import ipaddress
+import json
+import logging
+import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 import uvicorn
 
+from service.access import ApiKey, KeyFileError, read_keys
 from service.app import create_app
 from service.settings import Settings
 from service.store.engine import DatabaseUrlError, connect
+
+DRAIN_S = 10
+"""How long requests under way may take after SIGTERM."""
 
 
 def serve(
@@ -19,25 +27,55 @@ def serve(
     db: Annotated[
         str, typer.Option(help="Database URL: sqlite:///FILE or postgresql+psycopg://...")
     ] = "sqlite:///marsupial.sqlite",
+    keys: Annotated[
+        Path | None, typer.Option(help="TOML file of API keys, made by `marsupial new-key`.")
+    ] = None,
+    json_logs: Annotated[
+        bool, typer.Option("--json-logs", help="Log a JSON object a line.")
+    ] = False,
 ) -> None:
     """Run the coordination service over HTTP.
 
     Missions are kept in the database: a service that is stopped, or killed, goes on where it
     was when it is started again with the same database.
     """
-    if not is_loopback(host):
-        typer.echo(
-            f"{host} is not a loopback address, and this server has no API keys: whoever reaches "
-            "the port could command the fleet. Listen on 127.0.0.1.",
-            err=True,
+    api_keys = _keys(keys)
+    if not is_loopback(host) and not api_keys:
+        _refuse(
+            f"{host} is not a loopback address, and without API keys whoever reaches the port "
+            "could command the fleet: give --keys FILE (see `marsupial new-key`), or listen on "
+            "127.0.0.1."
         )
-        raise typer.Exit(2)
     try:
         connect(db).connect().close()
     except DatabaseUrlError as error:
-        typer.echo(str(error), err=True)
-        raise typer.Exit(2) from None
-    uvicorn.run(create_app(Settings(database_url=db)), host=host, port=port, log_level="info")
+        _refuse(str(error))
+    except Exception as error:
+        _refuse(f"the database {db} cannot be opened: {error}")
+    log_to_stderr(as_json=json_logs)
+    uvicorn.run(
+        create_app(Settings(database_url=db, api_keys=api_keys)),
+        host=host,
+        port=port,
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=DRAIN_S,
+    )
+
+
+def _keys(path: Path | None) -> list[ApiKey]:
+    if path is None:
+        return []
+    try:
+        return read_keys(path)
+    except KeyFileError as error:
+        _refuse(str(error))
+        return []
+
+
+def _refuse(why: str) -> None:
+    typer.echo(why, err=True)
+    raise typer.Exit(2)
 
 
 def is_loopback(host: str) -> bool:
@@ -46,3 +84,27 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host == "localhost"
+
+
+class JsonLines(logging.Formatter):
+    """A JSON object a line, for machines."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The record's time, level, logger and message."""
+        line = {
+            "time": self.formatTime(record),
+            "level": record.levelname,
+            "logger": record.name,
+            "message": record.getMessage(),
+        }
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps(line)
+
+
+def log_to_stderr(*, as_json: bool) -> None:
+    """Everything from INFO on, as text or JSON lines."""
+    handler = logging.StreamHandler(sys.stderr)
+    plain = logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s")
+    handler.setFormatter(JsonLines() if as_json else plain)
+    logging.basicConfig(level=logging.INFO, handlers=[handler], force=True)

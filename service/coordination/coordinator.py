@@ -7,6 +7,7 @@ pointless in the meantime is left out when the proposal is turned into commands.
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ from service.coordination.events import (
 )
 from service.coordination.meeting_points import meeting_points
 from service.coordination.mission import Mission, rebuilt
-from service.coordination.ports import EventLog, Planners, StoreError
+from service.coordination.ports import EventLog, Observer, Planners, StoreError
 from service.coordination.situation import situation
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.messages.report import Command, MissionSummary, Report, ReportAnswer
@@ -72,6 +73,7 @@ class Coordinator:
         log: EventLog,
         planners: Planners,
         parameters: LoopParameters,
+        observer: Observer,
     ) -> None:
         self.mission = mission
         self.grid = grid
@@ -81,9 +83,11 @@ class Coordinator:
         self._log = log
         self._planners = planners
         self._parameters = parameters
+        self._observer = observer
         self._memory = Memory()
         self._lock = asyncio.Lock()
         self._facts: list[str] = []
+        self._facts_since_s = 0.0
         self._replanning: asyncio.Task[None] | None = None
         self._quiet = asyncio.Event()
         self._quiet.set()
@@ -231,6 +235,9 @@ class Coordinator:
     # Replanning
 
     def _replan_for(self, found: Sequence[str]) -> None:
+        if not self._facts:
+            self._facts_since_s = time.monotonic()
+        self._observer.noticed(len(found))
         self._facts += found
         self._quiet.clear()
         if self._replanning is None or self._replanning.done():
@@ -242,8 +249,10 @@ class Coordinator:
                 if self._waiters == 0:
                     await asyncio.sleep(self._parameters.debounce_s)
                 found, self._facts = self._facts, []
+                since_s = self._facts_since_s
                 try:
-                    await self._replan_once("; ".join(dict.fromkeys(found)))
+                    outcome = await self._replan_once("; ".join(dict.fromkeys(found)))
+                    self._observe(outcome, time.monotonic() - since_s)
                 except StoreError as error:
                     LOG.error("mission %s: %s; trying again", self.mission.id, error)
                     self._facts = found + self._facts
@@ -251,15 +260,21 @@ class Coordinator:
         finally:
             self._quiet.set()
 
-    async def _replan_once(self, trigger: str) -> None:
+    def _observe(self, outcome: str, duration_s: float) -> None:
+        plan = self.mission.plan if outcome == "new plan" else None
+        makespan_s = None if plan is None else plan.end_s - plan.adopted_at_s
+        self._observer.replanned(outcome, duration_s, makespan_s)
+
+    async def _replan_once(self, trigger: str) -> str:
         async with self._locked():
             snapshot = situation(
                 self.mission, self.grid, self._models, self._meeting_points, trigger
             )
         self._looked_at_s = snapshot.state.time_s
-        await self._decide(snapshot)
+        return await self._decide(snapshot)
 
-    async def _decide(self, snapshot: Situation) -> None:
+    async def _decide(self, snapshot: Situation) -> str:
+        """How the decision ended, in a word or two."""
         try:
             decision = await self._planners.run(
                 Deliberation(self._strategy, self._memory), snapshot
@@ -273,21 +288,21 @@ class Coordinator:
             outcome = decision
         async with self._locked():
             if self.mission.is_over:
-                return
+                return "mission over"
             if isinstance(outcome, str):
                 time_s = self.mission.time_s
                 await self._record([PlanningFailed(time_s=time_s, reason=outcome)])
-            else:
-                await self._adopt(snapshot, outcome)
+                return "no plan"
+            return await self._adopt(snapshot, outcome)
 
-    async def _adopt(self, snapshot: Situation, decided: "Decided") -> None:
+    async def _adopt(self, snapshot: Situation, decided: "Decided") -> str:
         mission, proposal = self.mission, decided.proposal
         revision = mission.revision + 1
         commands = dispatch.commands(mission, decided.orders, revision)
         reason = f"{snapshot.trigger}: {proposal.reason}"
         if proposal.keeps_plan and _unchanged(mission, commands):
             await self._record([PlanKept(time_s=mission.time_s, reason=reason)])
-            return
+            return "plan kept"
         await self._record(
             [
                 OrdersIssued(
@@ -302,6 +317,7 @@ class Coordinator:
                 )
             ]
         )
+        return "next steps" if proposal.keeps_plan else "new plan"
 
     async def _close(self, status: TerminalStatus, reason: str) -> None:
         await self._record(

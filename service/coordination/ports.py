@@ -26,6 +26,18 @@ A = TypeVar("A")
 R = TypeVar("R")
 
 
+class Observer(Protocol):
+    """Hears of what the loop does, to measure it."""
+
+    def noticed(self, count: int) -> None:
+        """Facts came in that ask for a replan."""
+        ...
+
+    def replanned(self, outcome: str, duration_s: float, makespan_s: float | None) -> None:
+        """A replan has ended."""
+        ...
+
+
 class Planners(Protocol):
     """Where strategies run, away from the event loop."""
 

@@ -10,7 +10,7 @@ from service.coordination.coordinator import Coordinator, LoopParameters
 from service.coordination.events import Event, MissionCreated
 from service.coordination.known_map import grid_map, robot_models
 from service.coordination.mission import Mission, rebuilt
-from service.coordination.ports import Planners
+from service.coordination.ports import Observer, Planners
 from service.coordination.strategy import Strategy
 from service.messages.mission import CreateMission
 from service.store.event_store import EventStore
@@ -41,6 +41,7 @@ class Missions:
         strategies: Mapping[str, Strategy],
         planners: Planners,
         parameters: LoopParameters,
+        observer: Observer,
         *,
         max_missions: int,
         max_map_cells: int,
@@ -49,6 +50,7 @@ class Missions:
         self._strategies = strategies
         self._planners = planners
         self._parameters = parameters
+        self._observer = observer
         self._max_missions = max_missions
         self._max_map_cells = max_map_cells
         self._open: dict[str, Coordinator] = {}
@@ -119,6 +121,11 @@ class Missions:
         ids = await asyncio.to_thread(self._store.listed, limit)
         return [found for mission_id in ids if (found := await self.find(mission_id)) is not None]
 
+    @property
+    def open_count(self) -> int:
+        """Missions that are not over."""
+        return sum(not found.mission.is_over for found in self._open.values())
+
     def events(self, mission_id: str, first_number: int, limit: int) -> list[tuple[int, Event]]:
         """A mission's events with their numbers, from `first_number`; reads the log."""
         return list(self._store.numbered(mission_id, first_number, limit))
@@ -142,4 +149,5 @@ class Missions:
             log=self._store,
             planners=self._planners,
             parameters=self._parameters,
+            observer=self._observer,
         )

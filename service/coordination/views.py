@@ -30,6 +30,7 @@ def mission_detail(mission: Mission) -> MissionDetail:
     return MissionDetail(
         id=mission.id,
         name=mission.request.name,
+        fleet=mission.request.fleet,
         domain=mission.request.domain,
         strategy=mission.request.strategy,
         status=mission.status,

@@ -65,6 +65,8 @@ class CreateMission(Message):
     """A mission as the fleet asks for it."""
 
     name: Text
+    fleet: Identifier = "default"
+    """Whose mission it is; keys may be limited to fleets."""
     domain: Identifier
     strategy: Identifier = "planner"
     map: MapMessage

@@ -78,6 +78,7 @@ class MissionDetail(Message):
 
     id: str
     name: str
+    fleet: str
     domain: str
     strategy: str
     status: MissionStatus

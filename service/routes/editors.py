@@ -13,6 +13,7 @@ import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
 
 import planner
+from service.access import caller_of, needs
 from service.coordination.ports import StoreError
 from service.jobs.executor import QueueFullError
 from service.jobs.planning_requests import Following, result
@@ -31,7 +32,7 @@ from service.problem_details import ProblemError, invalid
 from service.routes.plans import Requests, checked
 from service.settings import Settings
 
-ROUTER = APIRouter(tags=["editors"])
+ROUTER = APIRouter(tags=["editors"], dependencies=[Depends(needs("operate"))])
 BODIES = (PackageSolveBody, SolveBody, RequestBody, ParseBody, ValidateBody, CheckBody)
 PLANNER = "marsupial"
 CALL = "marsupial {domain} {problem} {time_limit} {seed}"
@@ -75,8 +76,7 @@ async def accepted(request: Request, all_requests: Requests, body: PlanRequest) 
     """The request in the queue, or why it is not."""
     try:
         await anyio.to_thread.run_sync(checked, body, request.app.state.settings)
-        client = request.client.host if request.client is not None else "local"
-        return await all_requests.submit(body, client)
+        return await all_requests.submit(body, caller_of(request).name)
     except ProblemError as error:
         rendered = [diagnostic.rendered for diagnostic in error.diagnostics]
         return "\n".join(rendered) or error.detail

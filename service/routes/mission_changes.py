@@ -7,6 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Response
 
+from service.access import needs
 from service.coordination.admission import instruction_faults, robot_faults, target_faults
 from service.coordination.coordinator import Coordinator, OverError
 from service.coordination.events import (
@@ -28,7 +29,11 @@ from service.messages.plan import MissionDetail
 from service.problem_details import invalid, not_found
 from service.routes.missions import CoordinatorOf, over, unavailable, wait_s
 
-ROUTER = APIRouter(prefix="/v1/missions/{mission_id}", tags=["people in the loop"])
+ROUTER = APIRouter(
+    prefix="/v1/missions/{mission_id}",
+    tags=["people in the loop"],
+    dependencies=[Depends(needs("edit"))],
+)
 BODIES = (RobotMessage, TargetMessage, InstructionBody)
 WaitS = Annotated[float, Depends(wait_s)]
 

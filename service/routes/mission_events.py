@@ -7,11 +7,16 @@ import anyio.to_thread
 from fastapi import APIRouter, Depends, Header
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.access import needs
 from service.coordination.registry import Missions
 from service.problem_details import invalid
 from service.routes.missions import CoordinatorOf, missions
 
-ROUTER = APIRouter(prefix="/v1/missions/{mission_id}", tags=["missions"])
+ROUTER = APIRouter(
+    prefix="/v1/missions/{mission_id}",
+    tags=["missions"],
+    dependencies=[Depends(needs("operate"))],
+)
 BATCH = 200
 """Events read from the log at once."""
 SILENCE_S = 15.0

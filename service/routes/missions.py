@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 
+from service.access import caller_of, needs
 from service.coordination.coordinator import Coordinator, OverError, ReportRefusedError, summary
 from service.coordination.ports import StoreError
 from service.coordination.registry import (
@@ -22,7 +23,9 @@ from service.messages.report import MissionSummary, Report, ReportAnswer
 from service.problem_details import ProblemError, invalid, not_found
 from service.settings import Settings
 
-ROUTER = APIRouter(prefix="/v1/missions", tags=["missions"])
+ROUTER = APIRouter(
+    prefix="/v1/missions", tags=["missions"], dependencies=[Depends(needs("operate"))]
+)
 BODIES = (CreateMission, Report)
 _WAIT = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6})\"?(?=$|[,;\s])", re.IGNORECASE)
 
@@ -41,11 +44,11 @@ def wait_s(request: Request, prefer: Annotated[str | None, Header()] = None) -> 
 
 
 async def coordinator(
-    mission_id: str, all_missions: Annotated[Missions, Depends(missions)]
+    request: Request, mission_id: str, all_missions: Annotated[Missions, Depends(missions)]
 ) -> Coordinator:
-    """The mission a path names."""
+    """The mission a path names, if it is the caller's business."""
     found = await all_missions.find(mission_id)
-    if found is None:
+    if found is None or not caller_of(request).reaches(found.mission.request.fleet):
         raise not_found("mission", mission_id)
     return found
 
@@ -70,15 +73,22 @@ def over(error: OverError) -> ProblemError:
 
 @ROUTER.get("")
 async def list_missions(
+    request: Request,
     all_missions: Annotated[Missions, Depends(missions)],
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> list[MissionSummary]:
     """The latest missions, open and over."""
-    return [summary(found.mission) for found in await all_missions.listed(limit)]
+    caller = caller_of(request)
+    return [
+        summary(found.mission)
+        for found in await all_missions.listed(limit)
+        if caller.reaches(found.mission.request.fleet)
+    ]
 
 
 @ROUTER.post("", status_code=HTTPStatus.CREATED, openapi_extra=described(CreateMission))
 async def create_mission(
+    request: Request,
     body: Annotated[CreateMission, Depends(json_body(CreateMission))],
     all_missions: Annotated[Missions, Depends(missions)],
     response: Response,
@@ -88,6 +98,10 @@ async def create_mission(
 
     Sent again with the same `Idempotency-Key`, it gives the mission that there is.
     """
+    if not caller_of(request).reaches(body.fleet):
+        raise ProblemError(
+            HTTPStatus.FORBIDDEN, "forbidden", f"this key does not reach the fleet {body.fleet!r}"
+        )
     try:
         created = await all_missions.create(body, idempotency_key)
     except KeyReusedError as error:

@@ -10,6 +10,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 import planner
 from domains import catalogue
+from service.access import caller_of, needs
 from service.coordination.known_map import MapError, read_cells, read_terrain
 from service.coordination.ports import StoreError
 from service.jobs.executor import QueueFullError
@@ -21,7 +22,7 @@ from service.routes.mission_events import first_wanted
 from service.routes.missions import unavailable, wait_s
 from service.settings import Settings
 
-ROUTER = APIRouter(prefix="/v1/plans", tags=["plans"])
+ROUTER = APIRouter(prefix="/v1/plans", tags=["plans"], dependencies=[Depends(needs("operate"))])
 BODIES = (PlanRequest,)
 
 
@@ -117,9 +118,8 @@ async def submit(
 ) -> PlanResult:
     """Accepts a problem to solve: 202 and where to look, or the result within `Prefer: wait=N`."""
     await anyio.to_thread.run_sync(checked, body, request.app.state.settings)
-    client = request.client.host if request.client is not None else "local"
     try:
-        accepted = await all_requests.submit(body, client)
+        accepted = await all_requests.submit(body, caller_of(request).name)
     except QueueFullError as error:
         raise ProblemError(
             HTTPStatus.TOO_MANY_REQUESTS, "queue-full", str(error), headers={"Retry-After": "5"}
