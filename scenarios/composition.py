@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from random import Random
 
@@ -10,22 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenarios.maps.building_image import sample
-from scenarios.maps.files import write_map
+from scenarios.maps.files import write_map, write_plan
+from scenarios.maps.floor_plan import UNKNOWN
 from scenarios.maps.free_space import closed, component_at, components
 from scenarios.maps.generators import GENERATORS
 from scenarios.maps.placement import place
 from scenarios.maps.starts import draw_starts
 from scenarios.scenario_file import BlockadeSection, ScenarioFile, TargetSection
-from semantic_attachments.map_server import read_map
 from simulator.fleet_scenario import (
     Failure,
     FleetScenario,
     HiddenBlockade,
     Noise,
+    Planning,
     RobotStart,
     RobotType,
     Target,
 )
+from simulator.occupancy_grid import OccupancyGrid, read_map_server
 
 
 @dataclass(frozen=True)
@@ -51,14 +54,14 @@ def compose(
     """
     scenario, map_path = _with_map(scenario, folder)
     scenario = _with_blockade_share(scenario, seed)
-    grid = read_map(map_path)
+    grid = read_map_server(map_path)
     cells, resolution_m, origin_m = grid.cells, grid.resolution_m, grid.origin_m
-    robots = _robots(scenario, seed, cells, resolution_m, origin_m)
+    robots = _robots(scenario, seed, grid)
     fleet = FleetScenario(
         name=f"{scenario.name}, seed {seed}",
         map_path=map_path,
         robot_types=tuple(
-            RobotType(name=name, **section.model_dump())
+            RobotType(name=name, **section.model_dump(exclude={"carried_by"}))
             for name, section in scenario.robot_types.items()
         ),
         robots=robots,
@@ -69,6 +72,7 @@ def compose(
         ),
         domain=scenario.domain,
         strategy=strategy or scenario.strategy,
+        planning=Planning(**scenario.planning.model_dump()),
         seed=seed,
         time_limit_s=scenario.time_limit_s,
         report_period_s=scenario.report_period_s,
@@ -83,7 +87,7 @@ def compose(
 
 def map_cells(scenario: ScenarioFile, folder: Path) -> NDArray[np.int8]:
     """The occupancy grid `(height, width)` of a scenario's map."""
-    return read_map(_with_map(scenario, folder)[1]).cells
+    return read_map_server(_with_map(scenario, folder)[1]).cells
 
 
 def _with_map(scenario: ScenarioFile, folder: Path) -> tuple[ScenarioFile, Path]:
@@ -114,7 +118,7 @@ def _with_map(scenario: ScenarioFile, folder: Path) -> tuple[ScenarioFile, Path]
         ),
     }
     name = f"{section.generator}_{section.seed}"
-    path = write_map(folder, name, plan.cells(), plan.resolution_m)
+    path = write_plan(folder, name, plan)
     return scenario.model_copy(update=update), path
 
 
@@ -126,34 +130,43 @@ def _with_blockade_share(scenario: ScenarioFile, seed: int) -> ScenarioFile:
     return scenario.model_copy(update={"blockades": tuple(scenario.blockades[k] for k in order)})
 
 
-def _robots(
-    scenario: ScenarioFile,
-    seed: int,
-    cells: NDArray[np.int8],
-    resolution_m: float,
-    origin_m: tuple[float, float],
-) -> tuple[RobotStart, ...]:
-    """The robots of the file, then those of the team with drawn start poses."""
-    placed = [RobotStart(r.id, r.type, r.pose, r.carrier) for r in scenario.robots]
+def _robots(scenario: ScenarioFile, seed: int, grid: OccupancyGrid) -> tuple[RobotStart, ...]:
+    """The robots of the file, then those of the team: drawn start poses, or aboard a carrier."""
+    robots = [RobotStart(r.id, r.type, r.pose, r.carrier) for r in scenario.robots]
+    types = scenario.robot_types
     team = [
         (f"{kind}_{number}", kind)
         for kind, count in scenario.team.items()
         for number in range(1, count + 1)
     ]
-    if not team:
-        return tuple(placed)
-    widest = max(scenario.robot_types[kind].radius_m for _, kind in team)
-    poses = draw_starts(
-        cells,
-        resolution_m,
-        origin_m,
-        robots=len(team),
-        clearance_m=widest + resolution_m,
-        seed=f"starts {seed}",
-        blockades_m=[blockade.segment_m for blockade in scenario.blockades],
-    )
-    drawn = [RobotStart(name, kind, pose) for (name, kind), pose in zip(team, poses, strict=True)]
-    return (*placed, *drawn)
+    driving = [(name, kind) for name, kind in team if types[kind].carried_by is None]
+    if driving:
+        widest = max(types[kind].radius_m for _, kind in driving)
+        enters = set.intersection(*(set(types[kind].enters) for _, kind in driving))
+        cells = grid.cells.copy()
+        cells[grid.forbidden(tuple(sorted(enters)))] = UNKNOWN
+        poses = draw_starts(
+            cells,
+            grid.resolution_m,
+            grid.origin_m,
+            robots=len(driving),
+            clearance_m=widest + grid.resolution_m,
+            seed=f"starts {seed}",
+            blockades_m=[blockade.segment_m for blockade in scenario.blockades],
+        )
+        robots += [
+            RobotStart(name, kind, pose) for (name, kind), pose in zip(driving, poses, strict=True)
+        ]
+    for kind, section in types.items():
+        riders = [name for name, of in team if of == kind and section.carried_by is not None]
+        carriers = [robot for robot in robots if robot.type == section.carried_by]
+        if riders and not carriers:
+            raise ValueError(f"team: {kind} needs a {section.carried_by} to ride on; add one")
+        robots += [
+            RobotStart(name, kind, carrier.pose, carrier.id)
+            for name, carrier in zip(riders, cycle(carriers), strict=False)
+        ]
+    return tuple(robots)
 
 
 def _sealed(

@@ -70,6 +70,9 @@ class RobotTypeSection(_Section):
     beams: Annotated[int, Field(ge=8)] = 180
     enters: tuple[str, ...] = ("default",)
     capacity: Annotated[int, Field(ge=0)] = 0
+    """how many robots it can carry"""
+    carried_by: str | None = None
+    """type of the carriers that the robots of a `team` ride on at the start"""
 
 
 class RobotSection(_Section):
@@ -150,7 +153,8 @@ class ScenarioFile(_Section):
     @model_validator(mode="after")
     def _types_exist(self) -> ScenarioFile:
         known = ", ".join(sorted(self.robot_types))
-        for kind in [*self.team, *(robot.type for robot in self.robots)]:
+        carriers = [kind.carried_by for kind in self.robot_types.values() if kind.carried_by]
+        for kind in [*self.team, *(robot.type for robot in self.robots), *carriers]:
             if kind not in self.robot_types:
                 raise ValueError(f"unknown robot type {kind!r}: use one of {known}, or define it")
         if not self.robots and not any(self.team.values()):

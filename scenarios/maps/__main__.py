@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from scenarios.maps.files import write_annotations, write_map
+from scenarios.maps.files import write_annotations, write_plan
 from scenarios.maps.generators import GENERATORS
 from scenarios.maps.placement import place
 
@@ -15,7 +15,7 @@ def draw(kind: str, seed: int, folder: Path) -> float:
     generator, parameters = GENERATORS[kind]
     plan = generator(seed)
     placement = place(plan, seed, parameters)
-    write_map(folder, kind, plan.cells(), plan.resolution_m)
+    write_plan(folder, kind, plan)
     write_annotations(folder, kind, placement)
     return placement.sealed_fraction
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.maps.floor_plan import FREE, OCCUPIED
+from scenarios.maps.floor_plan import FREE, OCCUPIED, FloorPlan
 from scenarios.maps.placement import Placement
+from scenarios.maps.terrain import terrain_cells
 
 GREY = {FREE: 254, OCCUPIED: 0}
 """map_server's grey values; unknown is 205, just above its free threshold of 0.196"""
@@ -19,8 +20,7 @@ def pgm(cells: NDArray[np.int8]) -> bytes:
     image = np.full(cells.shape, 205, np.uint8)
     for value, grey in GREY.items():
         image[cells == value] = grey
-    height, width = cells.shape
-    return f"P5\n{width} {height}\n255\n".encode() + image[::-1].tobytes()
+    return _image(image)
 
 
 def map_yaml(image: str, resolution_m: float, origin_m: tuple[float, float] = (0.0, 0.0)) -> str:
@@ -65,8 +65,30 @@ def write_map(folder: Path, name: str, cells: NDArray[np.int8], resolution_m: fl
     return folder / f"{name}.yaml"
 
 
+def write_plan(folder: Path, name: str, plan: FloorPlan) -> Path:
+    """Writes the map of a floor plan, with `name_terrain.pgm` where its terrain has classes.
+
+    Returns the path of the YAML file, which then names the classes as well.
+    """
+    path = write_map(folder, name, plan.cells(), plan.resolution_m)
+    terrain = terrain_cells(plan)
+    if terrain is not None:
+        image = f"{name}_terrain.pgm"
+        (folder / image).write_bytes(_image(terrain))
+        classes = ", ".join(plan.terrain_classes)
+        with path.open("a", encoding="utf-8") as file:
+            file.write(f"terrain_image: {image}\nterrain_classes: [{classes}]\n")
+    return path
+
+
 def write_annotations(folder: Path, name: str, placement: Placement) -> Path:
     """Writes `name.toml` into a folder and returns its path."""
     path = folder / f"{name}.toml"
     path.write_text(annotations_toml(placement), encoding="utf-8")
     return path
+
+
+def _image(grey: NDArray[np.uint8]) -> bytes:
+    """A binary PGM of rows from the bottom."""
+    height, width = grey.shape
+    return f"P5\n{width} {height}\n255\n".encode() + np.ascontiguousarray(grey[::-1]).tobytes()

@@ -67,6 +67,9 @@ class FloorPlan:
     spaces: list[Space] = field(default_factory=list)
     openings: list[Opening] = field(default_factory=list)
     pillars: list[Rectangle] = field(default_factory=list)
+    terrain: list[tuple[Rectangle, int]] = field(default_factory=list)
+    """index into `terrain_classes` of everything that is not of the first class, later ones win"""
+    terrain_classes: tuple[str, ...] = ("default",)
 
     def add(self, kind: str, interior: Rectangle) -> int:
         """Adds a space and returns its index."""

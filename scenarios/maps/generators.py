@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from scenarios.maps import hospital, power_plant, random_building
+from scenarios.maps import hospital, maze, office, power_plant, random_building
 from scenarios.maps.floor_plan import FloorPlan
 from scenarios.maps.placement import PlacementParameters
 
@@ -13,6 +13,16 @@ GENERATORS: dict[str, tuple[Callable[[int], FloorPlan], PlacementParameters]] = 
     "power_plant": (
         power_plant.draw,
         PlacementParameters(targets=13, blockades=58, target_rooms=("reactor", "control")),
+    ),
+    "office": (
+        office.draw,
+        PlacementParameters(targets=24, blockades=0, sealed_share=0.0),
+    ),
+    "maze": (
+        maze.draw,
+        PlacementParameters(
+            targets=16, blockades=0, sealed_share=0.0, target_rooms=("core", "corridor")
+        ),
     ),
     "random_building": (random_building.draw, PlacementParameters()),
 }

@@ -59,3 +59,18 @@ def test_blockade_share(tmp_path: Path, share: float, left: int) -> None:
     one, other = (compose(scenario, seed=seed, folder=tmp_path).fleet for seed in (1, 2))
     assert len(one.blockades) == len(other.blockades) == left
     assert (one.blockades == other.blockades) == (share in (0.0, 1.0))
+
+
+def test_rovers_start_aboard_and_carriers_on_their_own_terrain(tmp_path: Path) -> None:
+    scenario = read_scenario(HOSPITAL.parents[1] / "marsupial" / "maze.toml")
+    fleet = compose(scenario, seed=1, folder=tmp_path).fleet
+    aboard = [(robot.id, robot.carrier) for robot in fleet.robots if robot.type == "rover"]
+    assert aboard == [
+        ("rover_1", "carrier_1"),
+        ("rover_2", "carrier_2"),
+        ("rover_3", "carrier_1"),
+        ("rover_4", "carrier_2"),
+    ]
+    alone = scenario.model_copy(update={"team": {"carrier": 0, "rover": 1}})
+    with pytest.raises(ValueError, match="rover needs a carrier to ride on"):
+        compose(alone, seed=1, folder=tmp_path)

@@ -8,8 +8,13 @@ from scenarios.maps.free_space import component_at, components
 from scenarios.maps.generators import GENERATORS
 from scenarios.maps.placement import place
 
-RATIOS = {"hospital": (4.96, 27.05), "power_plant": (2.5, 65.9)}
-"""sensor range [m] of the scenario, and the thesis's size-to-range ratio (3.6.5)"""
+RATIOS = {
+    "hospital": (4.96, 27.05),
+    "power_plant": (2.5, 65.9),
+    "office": (4.0, 23.8),
+    "maze": (4.0, 10.2),
+}
+"""sensor range [m] of the scenario, and the thesis's size-to-range ratio (3.6.2, 3.6.5)"""
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -30,7 +35,7 @@ def test_every_space_is_reached_and_nothing_leaks(kind: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("kind", sorted(GENERATORS))
+@pytest.mark.parametrize("kind", [k for k, (_, p) in sorted(GENERATORS.items()) if p.blockades])
 def test_missions_depend_on_clearing(kind: str, seed: int) -> None:
     generator, parameters = GENERATORS[kind]
     plan = generator(seed)
