@@ -5,6 +5,7 @@ Positions are metres in the map frame, times seconds since the mission began.
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -69,6 +70,11 @@ class DecisionRecord:
     kind: str
     reason: str
 
+    @property
+    def for_blockade(self) -> bool:
+        """Whether a blockade that somebody has just seen is the reason."""
+        return re.search(r"\bblockade \S+ seen\b", self.reason) is not None
+
 
 @dataclass(frozen=True)
 class PlannedStep:
@@ -105,10 +111,14 @@ class MissionRecord:
     status_reason: str
     duration_s: float
     wall_s: float
+    planning_s: float
+    """part of `wall_s` spent waiting for the service"""
     map_size_m: Point
     sealed_fraction: float
     wall_collisions: int
     robot_collisions: int
+    blockade_crossings: int
+    """moves through an uncleared blockade; zero in a sound simulation"""
     replans: int
     robots: tuple[RobotRecord, ...]
     targets: tuple[TargetRecord, ...]
@@ -142,9 +152,19 @@ class MissionRecord:
         return sum(robot.distance_m for robot in self.robots)
 
     @property
-    def invalid_plans(self) -> int:
-        """Plans in force that the validator did not accept."""
-        return sum(not plan.validated for plan in self.plans)
+    def plans_accepted(self) -> int:
+        """Plans in force that the validator accepted."""
+        return sum(plan.validated for plan in self.plans)
+
+    @property
+    def one_step_plans(self) -> int:
+        """Plans in force that are one-step orders of a baseline or a fallback, not validated."""
+        return len(self.plans) - self.plans_accepted
+
+    @property
+    def replans_for_blockades(self) -> int:
+        """Decisions whose reason is a blockade that somebody has just seen."""
+        return sum(decision.for_blockade for decision in self.decisions)
 
     def to_json(self) -> dict[str, Any]:
         """A summary first, then everything."""
@@ -154,6 +174,7 @@ class MissionRecord:
             "blockades_cleared": self.blockades_cleared,
             "distance_m": round(self.distance_m, 2),
             "plans_in_force": len(self.plans),
-            "invalid_plans": self.invalid_plans,
+            "plans_accepted": self.plans_accepted,
+            "replans_for_blockades": self.replans_for_blockades,
         }
         return {"completed": self.completed, **summary, **asdict(self)}

@@ -6,65 +6,64 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from scenarios.recorder import Recorder
 from scenarios.report.markup import clock
+from simulator.simulation import Progress
 
-Listener = Callable[[Recorder], None]
+Listener = Callable[[Progress], None]
 LINE_EVERY_S = 60.0
 """simulated time between two plain lines"""
 
 
 @contextmanager
-def shown(targets: int, *, headless: bool) -> Iterator[Listener | None]:
-    """A listener for a recorder, alive while the mission runs."""
+def shown(*, headless: bool) -> Iterator[Listener]:
+    """A listener for the progress of a simulation, alive while the mission runs."""
     if headless:
-        yield None
+        yield lambda _: None
     elif sys.stderr.isatty():
-        with _bar(targets) as listener:
+        with _bar() as listener:
             yield listener
     else:
-        yield _lines(targets)
+        yield _lines()
 
 
 @contextmanager
-def _bar(targets: int) -> Iterator[Listener]:
+def _bar() -> Iterator[Listener]:
+    from rich import progress as rich
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    with Progress(
-        TextColumn("[bold]targets"),
-        BarColumn(bar_width=30),
-        TextColumn("{task.completed:.0f}/{task.total:.0f}"),
-        TextColumn("{task.fields[state]}", style="dim"),
-        TimeElapsedColumn(),
+    with rich.Progress(
+        rich.TextColumn("[bold]targets"),
+        rich.BarColumn(bar_width=30),
+        rich.TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+        rich.TextColumn("{task.fields[state]}", style="dim"),
+        rich.TimeElapsedColumn(),
         console=Console(stderr=True),
-    ) as progress:
-        task = progress.add_task("", total=targets, state="")
+    ) as bar:
+        task = bar.add_task("", total=None, state="")
 
-        def listener(recorder: Recorder) -> None:
-            left = recorder.answer["targets_left"] if recorder.answer else targets
-            progress.update(task, completed=targets - left, state=_state(recorder))
+        def listener(now: Progress) -> None:
+            visited = now.targets - now.targets_left
+            bar.update(task, total=now.targets, completed=visited, state=state(now))
 
         yield listener
 
 
-def _lines(targets: int) -> Listener:
-    last = [-LINE_EVERY_S]
+def _lines() -> Listener:
+    due_s = [0.0]
 
-    def listener(recorder: Recorder) -> None:
-        if recorder.time_s - last[0] < LINE_EVERY_S:
-            return
-        last[0] = recorder.time_s
-        left = recorder.answer["targets_left"] if recorder.answer else targets
-        sys.stderr.write(f"targets left {left}/{targets}, {_state(recorder)}\n")
-        sys.stderr.flush()
+    def listener(now: Progress) -> None:
+        over = now.status in ("completed", "failed", "canceled")
+        if now.time_s >= due_s[0] or over:
+            due_s[0] = now.time_s + LINE_EVERY_S
+            sys.stderr.write(f"{now.targets_left} of {now.targets} targets left, {state(now)}\n")
+            sys.stderr.flush()
 
     return listener
 
 
-def _state(recorder: Recorder) -> str:
-    replans = recorder.answer["replans"] if recorder.answer else 0
+def state(now: Progress) -> str:
+    """Blockades, time and replans in a few words."""
     return (
-        f"{len(recorder.seen_at_s)} blockades known, "
-        f"{clock(recorder.time_s)} simulated, {replans} replans"
+        f"{now.blockades_known} blockades known, {now.blockades_cleared} cleared, "
+        f"{clock(now.time_s)} simulated, {now.replans} replans"
     )

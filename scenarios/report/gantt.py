@@ -74,7 +74,7 @@ def _replans(record: MissionRecord, x: _Scale) -> str:
             element(
                 "path",
                 title(f"{clock(decision.time_s)} {decision.kind}: {decision.reason}"),
-                class_="replan blockade-cause" if "blockade" in decision.reason else "replan",
+                class_="replan blockade-cause" if decision.for_blockade else "replan",
                 d=f"M{place:.1f} {TOP - 5}l-3.5 -8h7z",
             )
         )

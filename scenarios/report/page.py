@@ -65,7 +65,7 @@ player (at first the first plan). Triangles: decisions; point at one for its rea
 <ul class="legend"><li><i class="key explore"></i>drive to a target</li>
 <li><i class="key move"></i>other drive</li><li><i class="key clear"></i>clear a blockade</li>
 <li><i class="key planned"></i>planned</li>
-<li><i class="key cause"></i>decision after a blockade</li></ul>
+<li><i class="key cause"></i>decision for a blockade just seen</li></ul>
 </section>
 <section class="columns">
 <div><h2>Robots</h2>{tables.robots(record)}</div>

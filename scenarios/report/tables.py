@@ -11,7 +11,6 @@ from scenarios.report.markup import clock, element, row
 def headline(record: MissionRecord) -> str:
     """The numbers to see first."""
     visited = len(record.targets) - record.targets_left
-    accepted = len(record.plans) - record.invalid_plans
     figures = [
         (clock(record.duration_s), "mission time", "min:s, simulated"),
         (f"{visited} / {len(record.targets)}", "targets visited", ""),
@@ -22,9 +21,9 @@ def headline(record: MissionRecord) -> str:
         ),
         (str(record.replans), "replans", f"{len(record.plans)} plans put in force"),
         (
-            f"{accepted} / {len(record.plans)}",
+            f"{record.plans_accepted} / {len(record.plans)}" if record.plans_accepted else "–",
             "plans accepted by the validator",
-            "",
+            f"{record.one_step_plans} one-step orders" if record.one_step_plans else "",
         ),
         (f"{record.distance_m:.0f} m", "driven by all robots", ""),
         (str(record.wall_collisions + record.robot_collisions), "collisions", "walls and robots"),
@@ -115,7 +114,7 @@ def decisions(record: MissionRecord) -> str:
     for decision in record.decisions:
         plan = plan_at.get(decision.revision)
         ends = clock(plan.makespan_s) if plan else "–"
-        verdict = "–" if plan is None else ("accepted" if plan.validated else "not validated")
+        verdict = "–" if plan is None else ("accepted" if plan.validated else "one-step orders")
         rows.append(
             row(
                 [

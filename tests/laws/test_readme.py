@@ -1,7 +1,8 @@
-"""The commands and snippets that README and docs show do run.
+"""The commands and programs that README and docs show do run.
 
-A fenced `sh` or `python` block under a line `<!-- tested -->` is executed in a scratch folder that
-sees the repository's folders; `<!-- tested: slow -->` keeps it for the slow tests.
+Tested are fenced `sh` blocks that call `marsupial` and fenced `python` blocks that begin with an
+import (others are fragments). They run in a scratch folder that sees the repository's folders. A
+block under a line `<!-- not tested: why -->` is left out; whole missions are slow tests.
 """
 
 import os
@@ -15,41 +16,56 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(
-    r"<!-- tested(: slow)? -->\n+```(sh|python)\n(.*?)^```", re.DOTALL | re.MULTILINE
+    r"(<!-- not tested: [^\n]+ -->\n+)?^```(sh|python)\n(.*?)^```", re.DOTALL | re.MULTILINE
 )
+WHOLE_MISSIONS = re.compile(r"^\s*marsupial (run|demo|bench)\b", re.MULTILINE)
+
+
+def is_program(language: str, text: str) -> bool:
+    if language == "python":
+        return text.lstrip().startswith(("import ", "from "))
+    return re.search(r"^\s*marsupial ", text, re.MULTILINE) is not None
 
 
 def blocks() -> list[object]:
     found: list[object] = []
     for page in PAGES:
-        if not page.is_file():
-            continue
-        for number, match in enumerate(BLOCK.finditer(page.read_text(encoding="utf-8")), start=1):
-            slow, language, text = match.groups()
-            marks = [pytest.mark.slow] if slow else []
-            found.append(pytest.param(language, text, id=f"{page.name}-{number}", marks=marks))
+        text = page.read_text(encoding="utf-8") if page.is_file() else ""
+        for number, match in enumerate(BLOCK.finditer(text), start=1):
+            left_out, language, program = match.groups()
+            if left_out is None and is_program(language, program):
+                marks = [pytest.mark.slow] if WHOLE_MISSIONS.search(program) else []
+                name = f"{page.name}-{number}"
+                found.append(pytest.param(language, program, id=name, marks=marks))
     return found
 
 
-@pytest.mark.parametrize(("language", "text"), blocks())
-def test_snippet_runs(language: str, text: str, tmp_path: Path) -> None:
+def test_readme_shows_commands_and_a_program() -> None:
+    shown = BLOCK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+    tested = {language for _, language, text in shown if is_program(language, text)}
+    assert tested == {"sh", "python"}
+
+
+@pytest.mark.parametrize(("language", "program"), blocks())
+def test_snippet_runs(language: str, program: str, tmp_path: Path) -> None:
     for entry in ROOT.iterdir():
         if not entry.name.startswith((".", "out", "target", "build")):
             (tmp_path / entry.name).symlink_to(entry)
-    command = tmp_path / ".commands" / "marsupial"
-    command.parent.mkdir()
+    command = tmp_path / ".venv" / "bin" / "marsupial"
+    command.parent.mkdir(parents=True)
     command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m scenarios.cli "$@"\n')
     command.chmod(0o755)
-    path = os.pathsep.join(
-        [str(command.parent), str(Path(sys.executable).parent), os.environ["PATH"]]
-    )
+    (command.parent / "activate").write_text(f'PATH="{command.parent}:$PATH"\n', encoding="utf-8")
+    words = ["sh", "-eu", "-c", f". .venv/bin/activate\n{program}"]
+    if language == "python":
+        words = [sys.executable, "-c", program]
     run = subprocess.run(
-        ["sh", "-eu", "-c", text] if language == "sh" else [sys.executable, "-c", text],
+        words,
         cwd=tmp_path,
-        env={**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)},
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         timeout=280,
         check=False,
     )
-    assert run.returncode == 0, f"{text}\n{run.stdout}\n{run.stderr}"
+    assert run.returncode == 0, f"{program}\n{run.stdout}\n{run.stderr}"

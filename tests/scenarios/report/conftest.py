@@ -68,10 +68,12 @@ def record() -> MissionRecord:
         status_reason="",
         duration_s=40.0,
         wall_s=1.0,
+        planning_s=0.5,
         map_size_m=(12.0, 6.0),
         sealed_fraction=1.0,
         wall_collisions=0,
         robot_collisions=0,
+        blockade_crossings=0,
         replans=2,
         robots=(
             RobotRecord(
@@ -98,7 +100,7 @@ def record() -> MissionRecord:
         ),
         decisions=(
             DecisionRecord(0.0, 1, "planned", "the mission begins"),
-            DecisionRecord(0.5, 2, "planned", "clearer_1 sensed blockade_1"),
+            DecisionRecord(0.5, 2, "planned", "blockade blockade_1 seen: a plan of 3 steps"),
         ),
         plans=(
             PlanRecord(

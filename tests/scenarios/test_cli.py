@@ -1,0 +1,110 @@
+"""The command line: each command has help, faults are sentences with an exit code."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from scenarios import cli
+from scenarios.exit_codes import FAULT, INPUT_ERROR, CommandError
+
+ROOT = Path(cli.__file__).parents[1]
+
+
+def marsupial(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "scenarios.cli", *words],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "TERM": "dumb", "COLUMNS": "100"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_help_names_every_command() -> None:
+    shown = CliRunner().invoke(cli.application(["--help"]), ["--help"])
+    assert shown.exit_code == 0
+    for name in cli.COMMANDS:
+        assert name in shown.output
+
+
+@pytest.mark.parametrize("name", sorted(cli.COMMANDS))
+def test_each_command_explains_itself(name: str) -> None:
+    words = [name, "--help"]
+    shown = CliRunner().invoke(cli.application(words), words)
+    assert shown.exit_code == 0, shown.output
+    assert len(shown.output) > 200
+
+
+def test_missing_scenario_is_a_sentence() -> None:
+    run = marsupial("run", "none.toml")
+    assert run.returncode == INPUT_ERROR
+    assert run.stderr == "marsupial: none.toml: no such file; check the path\n"
+
+
+def test_a_fault_is_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def breaks(_: object) -> None:
+        raise RuntimeError("wires crossed")
+
+    monkeypatch.setattr(cli, "application", breaks)
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["plan"])
+    assert ended.value.code == FAULT
+    assert "RuntimeError: wires crossed" in capsys.readouterr().err
+    with pytest.raises(RuntimeError):
+        cli.main(["--debug", "plan"])
+
+
+def test_expected_failures_keep_their_exit_code(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fails(_: object) -> None:
+        raise CommandError("the team cannot finish", 12)
+
+    monkeypatch.setattr(cli, "application", fails)
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["run"])
+    assert ended.value.code == 12
+    assert capsys.readouterr().err == "marsupial: the team cannot finish\n"
+
+
+def test_somebody_elses_service_is_noticed(tmp_path: Path) -> None:
+    """A package of the same name earlier on the path would be imported instead of ours."""
+    (tmp_path / "service").mkdir()
+    (tmp_path / "service" / "__init__.py").write_text("", encoding="utf-8")
+    program = "from scenarios import cli; print(cli.someone_elses_room())"
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert str(tmp_path / "service") in run.stdout
+    assert "virtual environment of its own" in run.stdout
+    assert cli.someone_elses_room() is None
+
+
+def test_a_command_imports_only_its_room() -> None:
+    """Quick start: asking for one command must not import the rooms of the others."""
+    program = (
+        "import sys; from scenarios import cli; cli.application(['run', 'x.toml']); "
+        "heavy = {'fastapi', 'scipy', 'pymunk', 'unified_planning', 'pydantic', 'rich.progress'}; "
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stdout.strip() == "[]"
