@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
@@ -13,31 +14,58 @@ from scenarios.exit_codes import CommandError
 def bench(
     topic: Annotated[
         str | None,
-        typer.Argument(help="A topic, or all; without one the topics are listed."),
+        typer.Argument(
+            help="A topic, a suite (its name or a TOML file), or all topics; without one they are "
+            "listed.",
+            show_default=False,
+        ),
     ] = None,
     *,
     quick: Annotated[bool, typer.Option("--quick", help="A small subset, in minutes.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, help="Missions of a suite at the same time.")] = 1,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Do only the runs of a suite that are missing.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Folder for results.")] = Path("out/bench"),
 ) -> None:
-    """Measure speed and quality; results are printed as Markdown and kept in a folder."""
-    from importlib import import_module
+    """Measure speed and quality, or run a suite of missions and compare strategies.
 
+    Results are printed as Markdown and kept in a folder; a suite also gets report.html, runs.csv
+    and comparisons.csv.
+    """
     from scenarios.benchmarks import topics
 
     known = topics()
+    suites = suite_files()
     if topic is None:
         for name, line in known.items():
-            typer.echo(f"{name:<14} {line}")
-        return
-    chosen = list(known) if topic == "all" else [topic]
-    for name in chosen:
-        if name not in known:
-            raise CommandError(
-                f"no benchmark {name!r}: choose all or one of {', '.join(known) or '(none yet)'}"
-            )
-        module = import_module(f"scenarios.benchmarks.{name}")
-        folder = out / name
-        folder.mkdir(parents=True, exist_ok=True)
-        table = module.run(quick=quick, out=folder)
-        (folder / "results.md").write_text(table, encoding="utf-8")
-        typer.echo(table)
+            typer.echo(f"{name:<24} {line}")
+        for name in suites:
+            typer.echo(f"{name:<24} suite: {suites[name]}")
+    elif topic == "all":
+        for name in known:
+            _measure(name, out / name, quick=quick)
+    elif topic in known:
+        _measure(topic, out / topic, quick=quick)
+    elif topic in suites or topic.endswith(".toml"):
+        from scenarios.batch.command import run_suite
+
+        path = suites.get(topic, Path(topic))
+        run_suite(path, out / path.stem, quick=quick, jobs=jobs, resume=resume)
+    else:
+        choices = ", ".join(("all", *known, *suites))
+        raise CommandError(f"no benchmark {topic!r}: choose one of {choices}, or a suite's file")
+
+
+def suite_files() -> dict[str, Path]:
+    """The suites that come with marsupial, by name."""
+    folder = Path(__file__).parents[1] / "suites"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def _measure(name: str, folder: Path, *, quick: bool) -> None:
+    module = import_module(f"scenarios.benchmarks.{name}")
+    folder.mkdir(parents=True, exist_ok=True)
+    table: str = module.run(quick=quick, out=folder)
+    (folder / "results.md").write_text(table, encoding="utf-8")
+    typer.echo(table)

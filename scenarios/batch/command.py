@@ -1,0 +1,62 @@
+"""Runs a suite for the command line: progress with the time left, then the report."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+from scenarios.batch.execution import execute, rows
+from scenarios.batch.results import findings, markdown, write
+from scenarios.batch.suite import read_suite
+from scenarios.exit_codes import CommandError
+from scenarios.report.markup import clock
+from scenarios.scenario_file import ScenarioFileError
+
+LINE_EVERY_S = 30.0
+"""wall time between two plain lines"""
+
+
+def run_suite(path: Path, folder: Path, *, quick: bool, jobs: int, resume: bool) -> None:
+    """Runs what is missing of a suite and writes its report.
+
+    Raises:
+        CommandError: the suite cannot be read, or there are results and `resume` is not given.
+    """
+    try:
+        suite = read_suite(path)
+    except ScenarioFileError as error:
+        raise CommandError(str(error)) from None
+    if quick:
+        suite = suite.quickly()
+    begin_s, first = time.monotonic(), -1
+    told_s = begin_s - LINE_EVERY_S
+    try:
+        for done, wanted in execute(suite, folder, jobs=jobs, resume=resume):
+            now_s = time.monotonic()
+            first = done if first < 0 else first
+            if now_s - told_s >= LINE_EVERY_S or done == wanted:
+                told_s = now_s
+                _say(f"{suite.name}: {done} of {wanted} runs" + _left(done, wanted, first, begin_s))
+    except FileExistsError as error:
+        raise CommandError(str(error)) from None
+    except KeyboardInterrupt:
+        _say(f"stopped; go on with `marsupial bench {path} --resume`")
+        raise
+    found = findings(suite, rows(folder))
+    report = write(found, folder)
+    print(markdown(found))
+    print(f"report: {report.resolve()}")
+
+
+def _left(done: int, wanted: int, first: int, begin_s: float) -> str:
+    """How long the rest takes at the pace so far."""
+    if done in (first, wanted):
+        return ""
+    pace_s = (time.monotonic() - begin_s) / (done - first)
+    return f", {clock(pace_s * (wanted - done))} left (min:s)"
+
+
+def _say(message: str) -> None:
+    sys.stderr.write(message + "\n")
+    sys.stderr.flush()

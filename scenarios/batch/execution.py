@@ -1,0 +1,145 @@
+"""Executes the runs of a suite, each in a process of its own with limits, and keeps every row.
+
+A row is one line of `runs.jsonl`, written when its run has ended: whatever is killed in between,
+the lines that are there are whole, and a resumed suite does only what is missing.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from scenarios.batch.suite import RunSpec, Suite
+
+Row = dict[str, Any]
+JOURNAL = "runs.jsonl"
+
+
+def execute(
+    suite: Suite,
+    folder: Path,
+    *,
+    jobs: int = 1,
+    resume: bool = False,
+    execute_run: Callable[[Suite, RunSpec], Row] | None = None,
+) -> Iterator[tuple[int, int]]:
+    """Runs what is to be run, yielding (done, of) after each run.
+
+    Raises:
+        FileExistsError: there are results and nobody said that they shall be continued.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    journal = folder / JOURNAL
+    if journal.exists() and not resume:
+        raise FileExistsError(f"{journal} has results: continue them with --resume, or remove it")
+    done = {row["key"] for row in rows(folder)}
+    wanted = suite.runs()
+    missing = [spec for spec in wanted if spec.key not in done]
+    count = len(wanted) - len(missing)
+    yield count, len(wanted)
+    provenance = provenance_of()
+    perform = execute_run or run_in_process
+    with (
+        ThreadPoolExecutor(max_workers=jobs) as pool,
+        journal.open("a", encoding="utf-8") as file,
+    ):
+        if journal.stat().st_size and not journal.read_bytes().endswith(b"\n"):
+            file.write("\n")  # a kill cut the last line off
+        pending: set[Future[Row]] = set()
+        queue = iter(missing)
+        try:
+            while True:
+                while len(pending) < jobs and (spec := next(queue, None)) is not None:
+                    pending.add(pool.submit(_identified, perform, suite, spec, provenance))
+                if not pending:
+                    break
+                ended, pending = wait(pending, return_when=FIRST_COMPLETED)
+                for future in ended:
+                    file.write(json.dumps(future.result()) + "\n")
+                    file.flush()
+                    count += 1
+                    yield count, len(wanted)
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def rows(folder: Path) -> list[Row]:
+    """The rows so far, in the order of their keys; a line cut off by a kill is left out."""
+    journal = folder / JOURNAL
+    found: dict[str, Row] = {}
+    if journal.exists():
+        for line in journal.read_text(encoding="utf-8").splitlines():
+            try:
+                row = json.loads(line)
+            except ValueError:
+                continue
+            found[row["key"]] = row
+    return [found[key] for key in sorted(found)]
+
+
+def run_in_process(suite: Suite, spec: RunSpec) -> Row:
+    """The row of a run; one that crashed or took too long says so in `status`."""
+    planning = suite.planning.model_dump(exclude_unset=True) if suite.planning else None
+    task = {"spec": asdict(spec), "planning": planning, "memory_mb": suite.limits.memory_mb}
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    try:
+        ended = subprocess.run(
+            [sys.executable, "-m", "scenarios.batch.one_run"],
+            input=json.dumps(task),
+            capture_output=True,
+            text=True,
+            timeout=suite.limits.wall_s,
+            env=environment,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return {"status": "killed", "reason": f"longer than {suite.limits.wall_s:g} s"}
+    if ended.returncode != 0:
+        lines = ended.stderr.strip().splitlines() or [f"exit code {ended.returncode}"]
+        return {"status": "crashed", "reason": lines[-1][:300]}
+    row: Row = json.loads(ended.stdout.strip().splitlines()[-1])
+    return row
+
+
+def provenance_of() -> Row:
+    """What a row says about where it comes from."""
+    home = Path(__file__).parents[2]
+    words = ["git", "-C", str(home), "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        asked = subprocess.run(words, capture_output=True, text=True, check=False)
+        revision = asked.stdout.strip()
+    except OSError:
+        revision = ""
+    return {
+        "revision": revision or "unknown",
+        "version": version("marsupial"),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "pymunk": version("pymunk"),
+    }
+
+
+def _identified(
+    perform: Callable[[Suite, RunSpec], Row], suite: Suite, spec: RunSpec, provenance: Row
+) -> Row:
+    return {
+        "key": spec.key,
+        "suite": suite.name,
+        "map": spec.map_name,
+        "map_seed": spec.map_seed,
+        "team": spec.team_name,
+        "robots": sum(count for _, count in spec.team),
+        "seed": spec.seed,
+        "strategy": spec.strategy,
+        **perform(suite, spec),
+        **provenance,
+    }

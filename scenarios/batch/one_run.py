@@ -1,0 +1,80 @@
+"""One run of a suite, in a process of its own: a specification on stdin, a result row on stdout."""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from scenarios.batch.suite import RunSpec
+from scenarios.composition import Composition, compose
+from scenarios.mission import RunOptions, run
+from scenarios.mission_record import MissionRecord
+from scenarios.scenario_file import read_scenario
+
+Row = dict[str, Any]
+
+
+def composed(spec: RunSpec, planning: dict[str, Any] | None, folder: Path) -> Composition:
+    """The scenario of a run with its team, map and share of blockades."""
+    scenario = read_scenario(Path(spec.scenario))
+    update: dict[str, Any] = {"team": dict(spec.team), "robots": ()}
+    update["blockade_share"] = spec.blockade_share
+    if spec.generator is not None:
+        section = {"generator": spec.generator, "file": None, "image": None, "annotations": None}
+        update["map"] = scenario.map.model_copy(update=section)
+        update["targets"], update["blockades"] = (), ()
+    if spec.map_seed is not None:
+        update["map"] = update.get("map", scenario.map).model_copy(update={"seed": spec.map_seed})
+    if planning is not None:
+        update["planning"] = scenario.planning.model_copy(update=planning)
+    return compose(
+        scenario.model_copy(update=update), seed=spec.seed, folder=folder, strategy=spec.strategy
+    )
+
+
+def row_of(record: MissionRecord) -> Row:
+    """What a suite keeps of a mission."""
+    return {
+        "status": record.status,
+        "reason": record.status_reason if not record.completed else "",
+        "duration_s": round(record.duration_s, 3),
+        "targets_left": record.targets_left,
+        "sealed_fraction": round(record.sealed_fraction, 3),
+        "blockades": len(record.blockades),
+        "blockades_seen": record.blockades_seen,
+        "blockades_cleared": record.blockades_cleared,
+        "replans": record.replans,
+        "plans": len(record.plans),
+        "plans_accepted": record.plans_accepted,
+        "wall_collisions": record.wall_collisions,
+        "robot_collisions": record.robot_collisions,
+        "blockade_crossings": record.blockade_crossings,
+        "distance_m": round(record.distance_m, 2),
+        "wall_s": round(record.wall_s, 3),
+        "planning_s": round(record.planning_s, 3),
+    }
+
+
+def main() -> None:
+    """Reads `{"spec": ..., "planning": ..., "memory_mb": ...}` and prints the row."""
+    task = json.load(sys.stdin)
+    limit = int(task["memory_mb"]) * 2**20
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    spec = RunSpec(**{**task["spec"], "team": tuple((k, n) for k, n in task["spec"]["team"])})
+    with TemporaryDirectory(prefix="marsupial-") as scratch:
+        composition = composed(spec, task["planning"], Path(scratch))
+        options = RunOptions(seed=spec.seed, strategy=spec.strategy, headless=True)
+        record = run(composition, options, lambda _: None, Path(scratch))
+    row = row_of(record)
+    row["cpu_s"] = round(time.process_time(), 3)
+    row["peak_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, 1)
+    print(json.dumps(row))
+
+
+if __name__ == "__main__":
+    main()

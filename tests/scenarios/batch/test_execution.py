@@ -1,0 +1,70 @@
+"""A suite's journal survives kills, and a resumed suite does only what is missing."""
+
+from pathlib import Path
+
+import pytest
+
+from scenarios.batch.execution import JOURNAL, Row, execute, rows, run_in_process
+from scenarios.batch.suite import Limits, MapEntry, RunSpec, Suite
+
+SUITE = Suite(
+    name="small",
+    maps=(MapEntry(name="m", scenario=Path("m.toml"), map_seeds=(7, 8)),),
+    teams=({"explorer": 1, "clearer": 1},),
+    strategies=("planner", "hungarian"),
+    seeds=2,
+)
+
+
+class Counting:
+    """Stands for the runs, remembers which were asked for, and may break off."""
+
+    def __init__(self, breaks_at: int | None = None) -> None:
+        self.asked: list[str] = []
+        self.breaks_at = breaks_at
+
+    def __call__(self, _: Suite, spec: RunSpec) -> Row:
+        self.asked.append(spec.key)
+        if len(self.asked) == self.breaks_at:
+            raise KeyboardInterrupt
+        return {"status": "completed", "duration_s": float(spec.seed)}
+
+
+def test_every_run_once(tmp_path: Path) -> None:
+    perform = Counting()
+    steps = list(execute(SUITE, tmp_path, execute_run=perform))
+    assert steps == [(k, 4) for k in range(5)]
+    assert sorted(perform.asked) == sorted(spec.key for spec in SUITE.runs())
+    first = rows(tmp_path)[0]
+    assert {"revision", "version", "numpy", "seed", "strategy", "map_seed"} <= first.keys()
+
+
+def test_results_are_not_overwritten(tmp_path: Path) -> None:
+    list(execute(SUITE, tmp_path, execute_run=Counting()))
+    with pytest.raises(FileExistsError, match="--resume"):
+        list(execute(SUITE, tmp_path, execute_run=Counting()))
+
+
+def test_resume_after_a_kill_does_the_rest(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        list(execute(SUITE, tmp_path, execute_run=Counting(breaks_at=3)))
+    journal = tmp_path / JOURNAL
+    journal.write_text(journal.read_text(encoding="utf-8") + '{"key": "cut o', encoding="utf-8")
+    again = Counting()
+    steps = list(execute(SUITE, tmp_path, resume=True, execute_run=again))
+    assert steps[0] == (2, 4)
+    assert len(again.asked) == 2
+    assert len(rows(tmp_path)) == 4
+
+
+def test_a_crash_is_a_row(tmp_path: Path) -> None:
+    missing = MapEntry(name="m", scenario=tmp_path / "none.toml")
+    suite = SUITE.model_copy(update={"maps": (missing,), "limits": Limits(wall_s=60)})
+    row = run_in_process(suite, suite.runs()[0])
+    assert row["status"] == "crashed"
+    assert "none.toml" in row["reason"]
+
+
+def test_a_run_that_takes_too_long_is_killed() -> None:
+    suite = SUITE.model_copy(update={"limits": Limits(wall_s=0.01)})
+    assert run_in_process(suite, suite.runs()[0])["status"] == "killed"

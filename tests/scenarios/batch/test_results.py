@@ -1,0 +1,72 @@
+"""The report of a suite shows each map's figure, comparisons and what has to be zero."""
+
+import csv
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+from scenarios.batch.comparison import Row
+from scenarios.batch.results import findings, markdown, page, write
+from scenarios.batch.suite import MapEntry, Suite
+
+SUITE = Suite(
+    name="small & odd",
+    maps=(MapEntry(name="floor", scenario=Path("f.toml"), figure="figure 3.13, top"),),
+    teams=({"clearer": 1, "explorer": 1}, {"clearer": 1, "explorer": 2}),
+    strategies=("planner", "hungarian"),
+    seeds=4,
+)
+
+
+def rows() -> list[Row]:
+    made = []
+    for spec in SUITE.runs():
+        slow = 1.3 if spec.strategy == "hungarian" else 1.0
+        made.append(
+            {
+                "key": spec.key,
+                "map": spec.map_name,
+                "map_seed": None,
+                "team": spec.team_name,
+                "seed": spec.seed,
+                "strategy": spec.strategy,
+                "status": "completed",
+                "duration_s": slow * (100.0 + 7 * spec.seed + 3 * spec.seed % 5),
+                "wall_collisions": 0,
+                "cpu_s": 1.0,
+                **{"revision": "abc", "version": "0", "python": "3", "numpy": "2", "pymunk": "7"},
+            }
+        )
+    made[0]["status"] = "stuck"
+    return made
+
+
+def test_page_has_a_figure_a_map_and_no_external_asset() -> None:
+    html = page(findings(SUITE, rows()))
+    assert not re.search(r"""(src|href)\s*=|url\((?!#)|@import|https?://""", html)
+    (chart,) = re.findall(r"<svg.*?</svg>", html, re.DOTALL)
+    drawn = ElementTree.fromstring(chart)
+    assert len(drawn.findall("rect")) == 4
+    assert "figure 3.13, top" in html
+    assert "small &amp; odd" in html
+
+
+def test_failures_are_counted_not_hidden() -> None:
+    text = markdown(findings(SUITE, rows()))
+    line = next(line for line in text.splitlines() if line.startswith("| planner | 8 |"))
+    assert line.split("|")[3:5] == [" 1 ", " 1 "]
+    assert "8 of 16 runs" not in text
+    assert "16 of 16 runs" in text
+
+
+def test_files_hold_every_row(tmp_path: Path) -> None:
+    write(findings(SUITE, rows()), tmp_path)
+    with (tmp_path / "runs.csv").open(encoding="utf-8") as file:
+        assert len(list(csv.DictReader(file))) == 16
+    with (tmp_path / "comparisons.csv").open(encoding="utf-8") as file:
+        compared = list(csv.DictReader(file))
+    assert [line["team"] for line in compared] == [
+        "1 explorer + 1 clearer",
+        "2 explorer + 1 clearer",
+    ]
+    assert float(compared[0]["faster"]) > 0.2

@@ -1,0 +1,62 @@
+"""Suites read, expand to the whole grid, and say what is wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from scenarios.batch.suite import read_suite
+from scenarios.commands.bench import suite_files
+from scenarios.scenario_file import ScenarioFileError
+
+
+@pytest.mark.parametrize("name", sorted(suite_files()))
+def test_shipped_suites_read(name: str) -> None:
+    suite = read_suite(suite_files()[name])
+    runs = suite.runs()
+    grid = len(suite.maps) * len(suite.teams) * len(suite.strategies) * suite.seeds
+    assert len(runs) == len({spec.key for spec in runs}) == grid
+    quick = suite.quickly()
+    assert 0 < len(quick.runs()) <= 50
+    assert {spec.strategy for spec in quick.runs()} == set(suite.strategies)
+
+
+def test_strategies_share_map_and_seed() -> None:
+    suite = read_suite(suite_files()["disaster"])
+    first, second = suite.runs()[:2]
+    assert first.strategy != second.strategy
+    assert (first.map_seed, first.seed, first.team) == (second.map_seed, second.seed, second.team)
+
+
+def test_disaster_has_the_thesis_maps_and_eight_teams() -> None:
+    suite = read_suite(suite_files()["disaster"])
+    assert suite.seeds == 30
+    assert len(suite.teams) >= 8
+    assert all(len(entry.map_seeds) >= 5 for entry in suite.maps)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[[maps]]", "[[map]]", "maps"),
+        ('"a.toml"', '"b.toml"', "b.toml is not there"),
+        ('reference = "x"', 'reference = "z"', "reference 'z' is none of the strategies"),
+        ('name = "s"', 'name = "s', "not TOML"),
+    ],
+)
+def test_faults_are_named(tmp_path: Path, old: str, new: str, message: str) -> None:
+    text = """
+name = "s"
+strategies = ["x", "y"]
+reference = "x"
+teams = [{ explorer = 1 }]
+[[maps]]
+name = "m"
+scenario = "a.toml"
+"""
+    (tmp_path / "a.toml").write_text("", encoding="utf-8")
+    path = tmp_path / "suite.toml"
+    path.write_text(text, encoding="utf-8")
+    assert read_suite(path).name == "s"
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(ScenarioFileError, match=message):
+        read_suite(path)
