@@ -39,6 +39,14 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
         "Planning",
         "Write plain PDDL 2.1 with the attachments' values as fluents.",
     ),
+    "check": (
+        "planner.commands.check:check",
+        "PDDL files",
+        "Find faults in a domain and problems.",
+    ),
+    "explain": ("planner.commands.explain:explain", "PDDL files", "Explain a diagnostic code."),
+    "format": ("planner.commands.format:format_files", "PDDL files", "Format PDDL files."),
+    "lsp": ("planner.commands.lsp:lsp", "PDDL files", "Serve editors over stdio."),
     "serve": ("service.commands.serve:serve", "Service", "Run the coordination service over HTTP."),
     "new-key": ("service.commands.new_key:new_api_key", "Service", "Make an API key."),
 }

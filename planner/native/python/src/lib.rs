@@ -5,6 +5,7 @@
 
 mod attachments;
 mod diagnostic;
+mod editor;
 mod model;
 mod plan;
 mod search;
@@ -31,5 +32,5 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(plan::read_plan, module)?)?;
     module.add_function(wrap_pyfunction!(plan::write_plan, module)?)?;
     module.add_function(wrap_pyfunction!(validation::validate, module)?)?;
-    Ok(())
+    editor::register(module)
 }

@@ -481,24 +481,27 @@ impl Builder<'_> {
         }
     }
 
-    /// The first list inside an unclosed one that starts a line no further right than the list
-    /// around it: most likely the closer is missing before it.
+    /// The first list inside an unclosed one that starts a line no further right than the line on
+    /// which the list around it starts: most likely the closer is missing before it.
     fn suspect(&self, opener: u32, last: u32) -> Option<u32> {
-        let column = |token: u32| {
+        let mut known = (u32::MAX, 0);
+        // Indentation of the line of a token, and whether the token is the first in it.
+        let mut indentation = |token: u32| {
             let start = self.tokens.span(token as usize).start;
-            let first_in_line = token == 0
-                || (self.tokens.kinds[token as usize - 1] == TokenKind::WhiteSpace
-                    && self.word(token - 1).contains('\n'));
-            (
-                start - self.lines.start(self.lines.line(start)),
-                first_in_line,
-            )
+            let line = self.lines.line(start);
+            let line_start = self.lines.start(line);
+            if known.0 != line {
+                let text = &self.text.as_bytes()[line_start as usize..];
+                let blanks = text.iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
+                known = (line, blanks.count() as u32);
+            }
+            (known.1, start - line_start == known.1)
         };
-        let mut open = vec![column(opener).0];
+        let mut open = vec![indentation(opener).0];
         for token in opener + 1..=last {
             match self.tokens.kinds[token as usize] {
                 TokenKind::LeftParenthesis | TokenKind::LeftBracket => {
-                    let (here, first_in_line) = column(token);
+                    let (here, first_in_line) = indentation(token);
                     if first_in_line && open.last().is_some_and(|&around| here <= around) {
                         return Some(token);
                     }

@@ -1,0 +1,5 @@
+"""`python -m planner.language_server`: the server over stdio."""
+
+from planner.language_server.server import create_server
+
+create_server().start_io()
