@@ -222,7 +222,7 @@ def validate(
 ) -> tuple[Verdict, BaseException | None]: ...
 
 Range = tuple[int, int, int, int]
-"""First line and column, last line and the column behind the end; from 0, columns in UTF-16 units."""
+"""First line and column, last line and column behind the end; from 0, in UTF-16 units."""
 File = tuple[str, bytes]
 
 @final

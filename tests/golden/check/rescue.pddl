@@ -1,6 +1,6 @@
-; seeded faults: ten of them, see test_check.py
+; ten seeded faults, see test_check.py
 (define (domain rescue)
-  (:requirements :typing :durative-actions :negative-preconditions)
+  (:requirements :typing :durative-actions)
   (:types
     robot location - object
     explorer clearer - robot
@@ -9,8 +9,7 @@
     (at ?r - robot ?l - location)
     (cleared ?b - blockade)
     (explored ?t - mission_target)
-    (charged ?r - robot)
-    (visible ?l - location))
+    (charged ?r - robot))
   (:functions
     (distance ?from ?to - location)
     (size ?b - blockade))

@@ -228,10 +228,10 @@ async def test_completion_symbols_and_formatting(session: Session) -> None:
     assert symbols is not None
     assert {"d", "robot", "home", "at", "pathcost", "go"} <= {one.name for one in symbols}
 
-    ugly = DOMAIN.replace("\n    (free", "   (free")
+    ugly = DOMAIN.replace("\n  (:types", "    (:types")
     await session.changed("domain.pddl", ugly)
     edits = await client.text_document_formatting_async(
         types.DocumentFormattingParams(domain, types.FormattingOptions(2, True))
     )
     assert edits is not None
-    assert "\n    (free ?p - place))\n" in edited(ugly, list(edits))
+    assert "\n  (:types robot place - object)\n" in edited(ugly, list(edits))
