@@ -63,7 +63,7 @@ def test_every_problem_is_solved_or_declined_by_name() -> None:
         assert feature in EXAMPLES[name].problem.kind.features - ours
 
 
-@pytest.mark.filterwarnings("ignore:We cannot establish:UserWarning")
+@pytest.mark.filterwarnings("ignore::UserWarning:unified_planning")
 @pytest.mark.parametrize("name", SUPPORTED)
 def test_what_is_supported_is_solved(name: str) -> None:
     example = EXAMPLES[name]

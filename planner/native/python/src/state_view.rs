@@ -2,9 +2,9 @@
 
 #![allow(unsafe_code)]
 
-use std::cell::Cell;
 use std::ptr::NonNull;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, ThreadId};
 
 use planner_core::attachment::StateView;
 use planner_core::pddl::model;
@@ -54,21 +54,33 @@ impl Symbols {
     }
 }
 
+/// A borrowed view whose lifetime is erased.
+struct Borrowed(NonNull<dyn StateView>);
+
+// SAFETY: the pointer is followed only by the thread that lent it, see `State::with`; any thread may drop it.
+unsafe impl Send for Borrowed {}
+
 /// A read-only view of the state in which an attachment is called; useless after the call.
-#[pyclass(unsendable, module = "planner")]
+#[pyclass(frozen, module = "planner")]
 pub struct State {
-    view: Cell<Option<NonNull<dyn StateView>>>,
+    view: Mutex<Option<Borrowed>>,
+    lender: ThreadId,
     symbols: Arc<Symbols>,
 }
 
 impl State {
     fn with<R>(&self, read: impl FnOnce(&dyn StateView) -> R) -> PyResult<R> {
-        let view = self.view.get().ok_or_else(|| {
-            PyRuntimeError::new_err("a state can be read only while the attachment is called")
-        })?;
-        // SAFETY: `lend` sets the pointer from a reference that outlives the call of `lend` and clears it
-        // before it returns; the class is unsendable, so no other thread reads it meanwhile.
-        Ok(read(unsafe { view.as_ref() }))
+        let view = self.view.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*view {
+            // SAFETY: `lend` sets the pointer from a reference that outlives the call of `lend` and clears it
+            // before it returns; only the lending thread, which is inside that call, gets here.
+            Some(view) if self.lender == thread::current().id() => {
+                Ok(read(unsafe { view.0.as_ref() }))
+            }
+            _ => Err(PyRuntimeError::new_err(
+                "a state can be read only while the attachment is called, and by its thread",
+            )),
+        }
     }
 }
 
@@ -77,7 +89,13 @@ struct Lent<'py>(Bound<'py, State>);
 
 impl Drop for Lent<'_> {
     fn drop(&mut self) {
-        self.0.borrow().view.set(None);
+        let mut view = self
+            .0
+            .get()
+            .view
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        *view = None;
     }
 }
 
@@ -97,7 +115,8 @@ pub fn lend<'py, R>(
     let state = Bound::new(
         py,
         State {
-            view: Cell::new(Some(erased)),
+            view: Mutex::new(Some(Borrowed(erased))),
+            lender: thread::current().id(),
             symbols: Arc::clone(symbols),
         },
     )?;
