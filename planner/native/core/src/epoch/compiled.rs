@@ -241,6 +241,10 @@ pub struct CompiledOperator {
     pub may_overlap_itself: bool,
     /// Whether any effect depends on a condition at its start or throughout.
     pub remembers: bool,
+    /// Facts that must stay true, and false, while it runs.
+    kept: [Vec<FactId>; 2],
+    /// Facts that its end certainly makes false, and true.
+    spoils: [Vec<FactId>; 2],
 }
 
 /// The task in the form that the search works on.
@@ -343,12 +347,46 @@ fn compile(task: &Task, operator: &Operator) -> CompiledOperator {
         },
         may_overlap_itself: all()
             .any(|effect| matches!(effect.change, Change::Assign(..) | Change::Call(_))),
+        kept: [
+            operator.invariant.positive.clone(),
+            operator.invariant.negative.clone(),
+        ],
+        spoils: certain_changes(&operator.end_effects),
         remembers: operator.end_effects.iter().any(|effect| {
             effect
                 .condition
                 .as_ref()
                 .is_some_and(|c| !c[0].is_empty() || !c[1].is_empty())
         }),
+    }
+}
+
+/// Sorted facts that effects certainly make false, and true.
+fn certain_changes(effects: &[GroundEffect]) -> [Vec<FactId>; 2] {
+    let mut changes = [Vec::new(), Vec::new()];
+    for effect in effects.iter().filter(|effect| effect.condition.is_none()) {
+        match effect.change {
+            Change::Delete(fact) => changes[0].push(fact),
+            Change::Add(fact) => changes[1].push(fact),
+            Change::Assign(..) | Change::Call(_) => {}
+        }
+    }
+    changes.iter_mut().for_each(|list| list.sort_unstable());
+    changes
+}
+
+impl CompiledOperator {
+    /// Whether its end certainly makes a fact false.
+    #[inline]
+    #[must_use]
+    pub fn end_deletes(&self, fact: FactId) -> bool {
+        self.spoils[0].binary_search(&fact).is_ok()
+    }
+
+    /// Whether the end of `first` certainly breaks what must hold throughout this operator.
+    #[must_use]
+    pub fn broken_by_end_of(&self, first: &Self) -> bool {
+        meet(&self.kept[0], &first.spoils[0]) || meet(&self.kept[1], &first.spoils[1])
     }
 }
 

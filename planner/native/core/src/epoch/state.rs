@@ -219,6 +219,9 @@ impl<'a> Transitions<'a> {
         let Some(time) = self.start_time(state, operator, duration) else {
             return false;
         };
+        if self.doomed(state, operator, time + duration) {
+            return false;
+        }
         self.move_to(state, time);
         let conditional = self.remembered(operator, state, duration, id);
         if !self.apply(state, &operator.start, duration, u32::MAX, id) {
@@ -239,6 +242,16 @@ impl<'a> Transitions<'a> {
             state.running.insert(position, running);
         }
         self.invariants_hold(state)
+    }
+
+    /// Whether, of the new operator and those running, the end of one falls into another that it
+    /// certainly breaks.
+    fn doomed(&self, state: &State, operator: &CompiledOperator, end: f64) -> bool {
+        state.running.iter().any(|running| {
+            let other = self.compiled.operator(running.operator);
+            (running.end < end && operator.broken_by_end_of(other))
+                || (end < running.end && other.broken_by_end_of(operator))
+        })
     }
 
     /// The earliest start that keeps clear of what happened and of what will.

@@ -62,6 +62,13 @@ impl<'a> CriticalPath<'a> {
         }
     }
 
+    fn reach_lasting(&mut self, fact: crate::task::FactId, time: f64) {
+        let relaxed = self.relaxed;
+        for proposition in relaxed.lasting_of(fact) {
+            self.reach(proposition, time);
+        }
+    }
+
     fn seed(&mut self, state: &State) {
         let relaxed = self.relaxed;
         for fact in 0..relaxed.facts {
@@ -74,6 +81,11 @@ impl<'a> CriticalPath<'a> {
                 self.reach(proposition, 0.0);
             }
         }
+        for &(fact, proposition) in &relaxed.lasting {
+            if state.holds(fact) {
+                self.reach(proposition, 0.0);
+            }
+        }
         for running in &state.running {
             for &proposition in &relaxed.end_adds[running.operator.index()] {
                 self.reach(proposition, running.end - state.time);
@@ -83,12 +95,16 @@ impl<'a> CriticalPath<'a> {
                     && let Change::Add(fact) = effect.change
                 {
                     self.reach(fact.0, running.end - state.time);
+                    self.reach_lasting(fact, running.end - state.time);
                 }
             }
         }
         for event in &self.compiled.task.timed[state.next_timed as usize..] {
             match &event.change {
-                Change::Add(fact) => self.reach(fact.0, event.time - state.time),
+                Change::Add(fact) => {
+                    self.reach(fact.0, event.time - state.time);
+                    self.reach_lasting(*fact, event.time - state.time);
+                }
                 Change::Delete(fact) => {
                     if let Ok(at) = relaxed.negations.binary_search_by_key(fact, |n| n.0) {
                         self.reach(relaxed.negations[at].1, event.time - state.time);

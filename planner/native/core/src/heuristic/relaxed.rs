@@ -3,14 +3,17 @@
 //! A durative operator becomes up to two relaxed actions. The *start* gives its start effects as
 //! soon as its start and over-all conditions hold; the *whole* gives its end effects after its
 //! duration and needs its end conditions too. A conditional effect becomes an action of its own.
-//! Propositions are facts, negated facts that something reads, and numeric comparisons.
+//! Propositions are facts, negated facts that something reads, and numeric comparisons. A fact
+//! that ends of operators delete and others need throughout has a second proposition, *lasting*,
+//! which the latter need: it lets a heuristic see that a window that is about to close is of no
+//! use to an action that takes longer.
 
 use rustc_hash::FxHashMap;
 
 use crate::pddl::model::{Arithmetic, Assignment};
 use crate::task::{
     Change, Conjunction, Duration, FactId, FluentId, GroundEffect, GroundExpression,
-    NumericCondition, OperatorId, Task,
+    NumericCondition, Operator, OperatorId, Task,
 };
 
 /// Index of a proposition.
@@ -60,6 +63,8 @@ pub struct RelaxedTask {
     pub facts: u32,
     /// Facts with a proposition for their negation, and that proposition.
     pub negations: Vec<(FactId, Proposition)>,
+    /// Facts with a proposition for lasting, and that proposition.
+    pub lasting: Vec<(FactId, Proposition)>,
     /// Comparisons; their propositions start at `first_comparison`.
     pub comparisons: Vec<RelaxedComparison>,
     /// First comparison's proposition.
@@ -102,6 +107,15 @@ impl RelaxedTask {
         &self.preconditions[range]
     }
 
+    /// The propositions for a fact's lasting.
+    pub fn lasting_of(&self, fact: FactId) -> impl Iterator<Item = Proposition> + '_ {
+        let from = self.lasting.partition_point(|entry| entry.0 < fact);
+        self.lasting[from..]
+            .iter()
+            .take_while(move |entry| entry.0 == fact)
+            .map(|entry| entry.1)
+    }
+
     /// The actions that a proposition is a precondition of, and whether it is due only at their
     /// effects.
     pub fn timed_readers_of(
@@ -130,6 +144,9 @@ struct Builder<'a> {
     task: &'a Task,
     negation_of: FxHashMap<FactId, Proposition>,
     negations: Vec<(FactId, Proposition)>,
+    /// By window length, shortest first.
+    lasting_of: FxHashMap<FactId, Vec<(f64, Proposition)>>,
+    lasting: Vec<(FactId, Proposition)>,
     comparisons: Vec<RelaxedComparison>,
     first_comparison: Proposition,
     actions: Vec<RelaxedAction>,
@@ -143,6 +160,8 @@ impl<'a> Builder<'a> {
             task,
             negation_of: FxHashMap::default(),
             negations: Vec::new(),
+            lasting_of: FxHashMap::default(),
+            lasting: Vec::new(),
             comparisons: Vec::new(),
             first_comparison: 0,
             actions: Vec::new(),
@@ -172,7 +191,20 @@ impl<'a> Builder<'a> {
             builder.negations.push((fact, proposition));
             builder.negation_of.insert(fact, proposition);
         }
-        builder.first_comparison = (task.facts.len() + builder.negations.len()) as Proposition;
+        for (fact, windows) in windows(task) {
+            for window in windows {
+                let before = task.facts.len() + builder.negations.len() + builder.lasting.len();
+                let proposition = before as Proposition;
+                builder.lasting.push((fact, proposition));
+                builder
+                    .lasting_of
+                    .entry(fact)
+                    .or_default()
+                    .push((window, proposition));
+            }
+        }
+        builder.first_comparison =
+            (task.facts.len() + builder.negations.len() + builder.lasting.len()) as Proposition;
         for conjunction in conjunctions {
             for condition in &conjunction.comparisons {
                 builder.comparison(condition);
@@ -213,14 +245,22 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// What a change makes true; a fact that it adds lasts for `window`.
     fn effect(
         &self,
         change: &Change,
+        window: f64,
         adds: &mut Vec<Proposition>,
         numeric: &mut Vec<NumericSupport>,
     ) {
         match change {
-            Change::Add(fact) => adds.push(fact.0),
+            Change::Add(fact) => {
+                adds.push(fact.0);
+                if let Some(classes) = self.lasting_of.get(fact) {
+                    let fits = classes.iter().filter(|class| class.0 <= window);
+                    adds.extend(fits.map(|class| class.1));
+                }
+            }
             Change::Delete(fact) => adds.extend(self.negation_of.get(fact)),
             Change::Assign(assignment, fluent, value) => {
                 self.supports(*fluent, Some((*assignment, value)), numeric);
@@ -269,30 +309,30 @@ impl<'a> Builder<'a> {
                 let (mut adds, mut numeric) = (Vec::new(), Vec::new());
                 for effect in &operator.start_effects {
                     if effect.condition.is_none() {
-                        self.effect(&effect.change, &mut adds, &mut numeric);
+                        self.effect(&effect.change, f64::INFINITY, &mut adds, &mut numeric);
                     }
                 }
                 adds
             };
+            let delay = least_duration(operator);
             let mut early = Vec::new();
             self.propositions(&operator.start_condition, &mut early);
             let mut during = Vec::new();
             self.propositions(&operator.invariant, &mut during);
-            early.extend(during.into_iter().filter(|p| !own.contains(p)));
+            for proposition in during.into_iter().filter(|p| !own.contains(p)) {
+                let classes = self.lasting_of.get(&FactId(proposition));
+                let class = classes.and_then(|c| c.iter().find(|class| class.0 >= delay));
+                early.push(class.map_or(proposition, |class| class.1));
+            }
             let mut late = Vec::new();
             self.propositions(&operator.end_condition, &mut late);
             late.retain(|p| !own.contains(p) && !early.contains(p));
-            let delay = match &operator.duration {
-                Some(Duration::Fixed(value))
-                | Some(Duration::Bounds(GroundExpression::Constant(value), _)) => *value,
-                _ => 0.0,
-            };
             self.effects(id, 0.0, &early, &[], &operator.start_effects);
             self.effects(id, delay, &early, &late, &operator.end_effects);
             let (mut adds, mut numeric) = (Vec::new(), Vec::new());
             for effect in &operator.end_effects {
                 if effect.condition.is_none() {
-                    self.effect(&effect.change, &mut adds, &mut numeric);
+                    self.effect(&effect.change, f64::INFINITY, &mut adds, &mut numeric);
                 }
             }
             end_adds.push(adds);
@@ -327,6 +367,19 @@ impl<'a> Builder<'a> {
         self.finish(goal, end_adds)
     }
 
+    /// For how long an operator's own start effect holds: until its end, if that deletes it.
+    fn window(&self, id: OperatorId, delay: f64, change: &Change) -> f64 {
+        let operator = &self.task.operators[id.index()];
+        match (change, &operator.duration) {
+            (Change::Add(fact), Some(Duration::Fixed(seconds)))
+                if delay == 0.0 && deletes_at_end(operator, *fact) =>
+            {
+                *seconds
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     fn effects(
         &mut self,
         id: OperatorId,
@@ -338,14 +391,17 @@ impl<'a> Builder<'a> {
         let (mut adds, mut numeric) = (Vec::new(), Vec::new());
         for effect in effects {
             match &effect.condition {
-                None => self.effect(&effect.change, &mut adds, &mut numeric),
+                None => {
+                    let window = self.window(id, delay, &effect.change);
+                    self.effect(&effect.change, window, &mut adds, &mut numeric);
+                }
                 Some(parts) => {
                     let (mut early, mut late) = (early.to_vec(), late.to_vec());
                     self.propositions(&parts[0], &mut early);
                     self.propositions(&parts[1], &mut late);
                     self.propositions(&parts[2], &mut late);
                     let (mut adds, mut numeric) = (Vec::new(), Vec::new());
-                    self.effect(&effect.change, &mut adds, &mut numeric);
+                    self.effect(&effect.change, f64::INFINITY, &mut adds, &mut numeric);
                     self.push(id, delay, early, late, adds, numeric);
                 }
             }
@@ -410,6 +466,7 @@ impl<'a> Builder<'a> {
         RelaxedTask {
             facts: self.task.facts.len() as u32,
             negations: self.negations,
+            lasting: self.lasting,
             comparisons: self.comparisons,
             first_comparison: self.first_comparison,
             propositions: propositions as u32,
@@ -423,6 +480,58 @@ impl<'a> Builder<'a> {
             goal,
             end_adds,
         }
+    }
+}
+
+/// Facts that an operator's end deletes and another operator needs throughout, sorted, with the
+/// lengths of the windows in which they hold, sorted; the last one is infinite.
+fn windows(task: &Task) -> Vec<(FactId, Vec<f64>)> {
+    let mut needed = vec![false; task.facts.len()];
+    for operator in &task.operators {
+        for fact in &operator.invariant.positive {
+            needed[fact.index()] = true;
+        }
+    }
+    let mut windows: std::collections::BTreeMap<FactId, Vec<f64>> = Default::default();
+    for operator in &task.operators {
+        for effect in &operator.end_effects {
+            if let (None, Change::Delete(fact)) = (&effect.condition, &effect.change)
+                && needed[fact.index()]
+            {
+                let lengths = windows.entry(*fact).or_insert_with(|| vec![f64::INFINITY]);
+                let opens = operator
+                    .start_effects
+                    .iter()
+                    .any(|effect| effect.change == Change::Add(*fact));
+                if let (true, Some(Duration::Fixed(seconds))) = (opens, &operator.duration) {
+                    lengths.push(*seconds);
+                }
+            }
+        }
+    }
+    windows
+        .into_iter()
+        .map(|(fact, mut lengths)| {
+            lengths.sort_by(f64::total_cmp);
+            lengths.dedup();
+            (fact, lengths)
+        })
+        .collect()
+}
+
+fn deletes_at_end(operator: &Operator, fact: FactId) -> bool {
+    operator
+        .end_effects
+        .iter()
+        .any(|effect| effect.condition.is_none() && effect.change == Change::Delete(fact))
+}
+
+fn least_duration(operator: &Operator) -> f64 {
+    match &operator.duration {
+        Some(Duration::Fixed(value) | Duration::Bounds(GroundExpression::Constant(value), _)) => {
+            *value
+        }
+        _ => 0.0,
     }
 }
 

@@ -30,6 +30,9 @@ pub struct RelaxedPlan<'a> {
     is_goal: Vec<bool>,
     open_preconditions: Vec<u32>,
     sum: Vec<u32>,
+    /// By lasting proposition: for how long its fact still holds, where that is known to end.
+    remaining: Vec<f64>,
+    closing: Vec<Proposition>,
     touched_propositions: Vec<Proposition>,
     touched_actions: Vec<u32>,
     buckets: Vec<Vec<Proposition>>,
@@ -61,6 +64,8 @@ impl<'a> RelaxedPlan<'a> {
             is_goal,
             open_preconditions: relaxed.actions.iter().map(|a| a.preconditions).collect(),
             sum: vec![0; actions],
+            remaining: vec![f64::INFINITY; propositions],
+            closing: Vec::new(),
             touched_propositions: Vec::new(),
             touched_actions: Vec::new(),
             buckets: Vec::new(),
@@ -92,6 +97,61 @@ impl<'a> RelaxedPlan<'a> {
         }
         self.preferred.clear();
         self.waiting = false;
+        for proposition in self.closing.drain(..) {
+            self.remaining[proposition as usize] = f64::INFINITY;
+        }
+    }
+
+    /// Facts that hold now last, unless the end of something running deletes them.
+    fn seed_lasting(&mut self, state: &State) {
+        let relaxed = self.relaxed;
+        for &(fact, proposition) in &relaxed.lasting {
+            if !state.holds(fact) {
+                continue;
+            }
+            let closes = state
+                .running
+                .iter()
+                .filter(|running| self.compiled.operator(running.operator).end_deletes(fact))
+                .map(|running| running.end - state.time)
+                .fold(f64::INFINITY, f64::min);
+            if closes.is_infinite() {
+                self.reach(proposition, 0, NOBODY);
+            } else {
+                self.remaining[proposition as usize] = closes;
+                self.closing.push(proposition);
+            }
+        }
+    }
+
+    /// Gives what closes later to the actions that are short enough.
+    fn use_closing(&mut self, state: &State) {
+        let relaxed = self.relaxed;
+        for index in 0..self.closing.len() {
+            let proposition = self.closing[index];
+            let remaining = self.remaining[proposition as usize];
+            for &action in relaxed.readers_of(proposition) {
+                if relaxed.actions[action as usize].delay <= remaining {
+                    self.support(action, 0, state);
+                }
+            }
+        }
+    }
+
+    /// One more precondition of an action is supported.
+    #[inline]
+    fn support(&mut self, action: u32, cost: u32, state: &State) {
+        let index = action as usize;
+        if self.sum[index] == 0
+            && self.open_preconditions[index] == self.relaxed.actions[index].preconditions
+        {
+            self.touched_actions.push(action);
+        }
+        self.open_preconditions[index] -= 1;
+        self.sum[index] = self.sum[index].saturating_add(cost);
+        if self.open_preconditions[index] == 0 {
+            self.fire(action, self.sum[index], state);
+        }
     }
 
     #[inline]
@@ -134,7 +194,12 @@ impl<'a> RelaxedPlan<'a> {
         }
         for event in &self.compiled.task.timed[state.next_timed as usize..] {
             match &event.change {
-                crate::task::Change::Add(fact) => self.reach(fact.0, 0, AGENDA),
+                crate::task::Change::Add(fact) => {
+                    self.reach(fact.0, 0, AGENDA);
+                    for proposition in relaxed.lasting_of(*fact) {
+                        self.reach(proposition, 0, AGENDA);
+                    }
+                }
                 crate::task::Change::Delete(fact) => {
                     if let Ok(at) = relaxed.negations.binary_search_by_key(fact, |n| n.0) {
                         self.reach(relaxed.negations[at].1, 0, AGENDA);
@@ -142,6 +207,9 @@ impl<'a> RelaxedPlan<'a> {
                 }
                 _ => {}
             }
+        }
+        if !relaxed.lasting.is_empty() {
+            self.seed_lasting(state);
         }
         if !relaxed.comparisons.is_empty() {
             self.seed_comparisons(state);
@@ -212,6 +280,7 @@ impl<'a> RelaxedPlan<'a> {
         for &action in &relaxed.unconditional {
             self.fire(action, 0, state);
         }
+        self.use_closing(state);
         let mut bucket = 0;
         while bucket < self.buckets.len() {
             let Some(proposition) = self.buckets[bucket].pop() else {
@@ -229,17 +298,11 @@ impl<'a> RelaxedPlan<'a> {
                     return true;
                 }
             }
+            let closing = self.remaining[slot];
             for &action in relaxed.readers_of(proposition) {
-                let index = action as usize;
-                if self.sum[index] == 0
-                    && self.open_preconditions[index] == relaxed.actions[index].preconditions
-                {
-                    self.touched_actions.push(action);
-                }
-                self.open_preconditions[index] -= 1;
-                self.sum[index] = self.sum[index].saturating_add(bucket as u32);
-                if self.open_preconditions[index] == 0 {
-                    self.fire(action, self.sum[index], state);
+                // What was short enough for a closing window has been served.
+                if closing.is_infinite() || relaxed.actions[action as usize].delay > closing {
+                    self.support(action, bucket as u32, state);
                 }
             }
         }
