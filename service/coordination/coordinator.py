@@ -10,7 +10,7 @@ import logging
 import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from semantic_attachments.contract import Memory
 from semantic_attachments.world import GridMap, RobotModel
@@ -31,6 +31,7 @@ from service.coordination.mission import Mission, rebuilt
 from service.coordination.ports import EventLog, Observer, Planners, StoreError
 from service.coordination.situation import situation
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
+from service.messages.mission import PlanningMessage
 from service.messages.report import Command, MissionSummary, Report, ReportAnswer
 
 LOG = logging.getLogger(__name__)
@@ -271,6 +272,7 @@ class Coordinator:
                 self.mission, self.grid, self._models, self._meeting_points, trigger
             )
         self._looked_at_s = snapshot.state.time_s
+        snapshot = replace(snapshot, planning=within_load(snapshot.planning, self._planners.load))
         return await self._decide(snapshot)
 
     async def _decide(self, snapshot: Situation) -> str:
@@ -363,6 +365,21 @@ class Deliberation:
     def __call__(self, snapshot: Situation) -> Decided:
         proposal = self.strategy.propose(snapshot, self.memory)
         return Decided(proposal, dispatch.orders(proposal, snapshot, self.memory))
+
+
+LEAST_TIME_LIMIT_S = 0.05
+"""Below this a replan finds too little to be worth its formulation."""
+
+
+def within_load(planning: PlanningMessage, load: float) -> PlanningMessage:
+    """The effort of a replan when others wait for theirs: the time is shared.
+
+    A mission with a node limit is to be repeatable and keeps its effort.
+    """
+    if planning.node_limit is not None or load < 1.0:
+        return planning
+    shared_s = max(LEAST_TIME_LIMIT_S, planning.time_limit_s / (1.0 + load))
+    return planning.model_copy(update={"time_limit_s": min(planning.time_limit_s, shared_s)})
 
 
 def _unchanged(mission: Mission, commands: Sequence[Command]) -> bool:

@@ -44,3 +44,8 @@ class Planners(Protocol):
     async def run(self, function: Callable[[A], R], argument: A) -> R:
         """`function(argument)`, computed elsewhere."""
         ...
+
+    @property
+    def load(self) -> float:
+        """Computations under way or waiting, for each worker."""
+        ...
