@@ -86,7 +86,7 @@ def solve_lazily(
 ) -> LazyResult:
     """Plans with `lazy` attachments refined where needed, and others as they are.
 
-    Each round may take a quarter of the time that is left. Raises what `planner.solve` raises.
+    A round seeks a plan for at most a twentieth of the time. Raises what `planner.solve` raises.
     """
     deadline = monotonic() + timeout_s
     parsed = planner.read_problem(domain, problem)
@@ -100,7 +100,7 @@ def solve_lazily(
             domain,
             parsed,
             attachments=bound,
-            timeout_s=max((deadline - monotonic()) / 4, 0.05),
+            timeout_s=timeout_s / 20,
             seed=seed,
             warm_start=plan,
         )

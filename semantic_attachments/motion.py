@@ -10,7 +10,9 @@ sampling: they exist, but quicker ones may, too.
 """
 
 from collections.abc import Sequence
-from math import hypot
+from dataclasses import replace
+from functools import cached_property
+from math import hypot, inf
 from threading import RLock
 from time import monotonic
 
@@ -19,12 +21,18 @@ from numpy.typing import NDArray
 
 from semantic_attachments.contract import Attachment, EvaluationError, Memory, Parameter, Quality
 from semantic_attachments.motion_worker import MotionWorker, Query
+from semantic_attachments.outline import inner_radius_m
+from semantic_attachments.path_costs import PathCosts
 from semantic_attachments.roadmap import NO_MOTION, Motion, MotionParameters
+from semantic_attachments.robot_class import GridParameters
 from semantic_attachments.robot_model import RobotModel
 from semantic_attachments.world import Blockade, Location, World
 
 Call = tuple[str, ...]
 Key = tuple[RobotModel, Location, Location]
+
+_STEPS_OVER_LINES = 1.1
+"""A path of eight steps is at most 1.0824 times as long as the line it follows."""
 
 _START_UP_S = 30.0
 """Time a worker may take before it plans: to start, and to build a roadmap [s]."""
@@ -72,18 +80,32 @@ class MotionCosts:
         """
         with self._lock:
             keys = [self._resolve(call) for call in calls]
-            self._plan([key for key in dict.fromkeys(keys) if key not in self._motions])
+            missing = {k: c for k, c in zip(keys, calls, strict=True) if k not in self._motions}
+            bounds_s = self.lower_bounds(list(missing.values()))
+            self._motions.update(
+                (key, NO_MOTION)
+                for key, bound_s in zip(missing, bounds_s, strict=True)
+                if bound_s == inf
+            )
+            self._plan([key for key in missing if key not in self._motions])
             return [self._motions[key].duration_s for key in keys]
 
     def lower_bounds(self, calls: Sequence[Call]) -> list[float]:
-        """What no motion can be quicker than: the straight line, at once and without planning
-        [s]."""
+        """What no motion is quicker than, without planning motions [s].
+
+        The longer of the straight line and the grid path of the disc inside the outline, less what
+        its steps and cells may add; infinite if that disc does not get through.
+        """
+        with self._lock:
+            on_grid_s = self._inner_costs.many(calls)
         bounds = []
-        for model, start, goal in map(self._resolve, calls):
+        for (model, start, goal), grid_s in zip(map(self._resolve, calls), on_grid_s, strict=True):
             (x0, y0), (x1, y1) = start.position_m, goal.position_m
             # A place too near to an obstacle is left and reached from beside it.
-            slack_m = 2 * self._beside_m(model)
-            bounds.append(max(hypot(x1 - x0, y1 - y0) - slack_m, 0.0) / model.speed_m_s)
+            beside_s = 2 * self._beside_m(model) / model.speed_m_s
+            straight_s = hypot(x1 - x0, y1 - y0) / model.speed_m_s
+            bound_s = max(straight_s, grid_s / _STEPS_OVER_LINES) - beside_s
+            bounds.append(max(bound_s, 0.0))
         return bounds
 
     def path(self, robot: str, start: str, goal: str) -> NDArray[np.float64]:
@@ -91,6 +113,21 @@ class MotionCosts:
         cell apart."""
         self.many([(robot, start, goal)])
         return self._motions[self._resolve((robot, start, goal))].poses
+
+    @cached_property
+    def _inner_costs(self) -> PathCosts:
+        """Path costs of the discs inside the outlines, smaller by what cells may hide."""
+        hidden_m = 1.5 * self.world.grid.resolution_m
+        discs = {
+            name: replace(
+                model,
+                radius_m=max(inner_radius_m(model) - hidden_m, 0.0),
+                terrain_speed_m_s={},
+            )
+            for name, model in self.world.robots.items()
+        }
+        parameters = GridParameters(unknown_is_free=self._workers.parameters.unknown_is_free)
+        return PathCosts(replace(self.world, robots=discs), parameters)
 
     def _beside_m(self, model: RobotModel) -> float:
         outer_m = max((hypot(x, y) for x, y in model.footprint_m), default=model.radius_m)

@@ -33,8 +33,6 @@ class Outline:
         distances = ndimage.distance_transform_edt(padded)[1:-1, 1:-1]
         clearance = np.where(solid.any(), distances, np.inf).astype(np.float32)
         corners = hull(model.footprint_m)
-        self.inner_radius_m = _inner_radius(corners) if len(corners) else model.radius_m
-        """Radius of the largest disc around the reference point inside of the outline [m]."""
         self.outer_radius_m = max((hypot(x, y) for x, y in corners), default=model.radius_m)
         """Radius of the least disc around the reference point that contains the outline [m]."""
         self._footprint = Footprint(
@@ -74,7 +72,11 @@ def hull(corners: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
     return np.asarray(points[ConvexHull(points).vertices]) if len(points) else points
 
 
-def _inner_radius(corners: NDArray[np.float64]) -> float:
+def inner_radius_m(model: RobotModel) -> float:
+    """Radius of the largest disc around the reference point inside of the outline [m]."""
+    corners = hull(model.footprint_m)
+    if not len(corners):
+        return model.radius_m
     ahead = np.roll(corners, -1, axis=0) - corners
     # Distance of each edge's line from the reference point; negative if that lies outside of the
     # outline.

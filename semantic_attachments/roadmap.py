@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from semantic_attachments._core import Traversability
 from semantic_attachments.grid_map import GridMap, PositionM
-from semantic_attachments.outline import Outline
+from semantic_attachments.outline import Outline, inner_radius_m
 from semantic_attachments.robot_model import RobotModel
 from semantic_attachments.rrt_connect import connect
 from semantic_attachments.steering import Pose, steering
@@ -34,15 +34,15 @@ class MotionParameters:
 
     seed: int = 0
     """Seed of all random numbers."""
-    spacing_m: float = 1.0
+    spacing_m: float = 1.5
     """Mean distance of random poses on free ground [m]."""
-    most_samples: int = 3000
+    most_samples: int = 2000
     """Limit of their number."""
     headings: int = 8
     """Headings tried at each place."""
     most_neighbours: int = 12
     """Limit of the number of neighbours of a vertex."""
-    budget_s: float = 1.0
+    budget_s: float = 0.5
     """Time RRT-Connect has for a pair of places that the roadmap does not connect [s]."""
     unknown_is_free: bool = False
     """Whether robots are expected to get through unknown cells (optimistic)."""
@@ -74,6 +74,7 @@ class Roadmap:
         self._outline = Outline(model, grid, parameters.unknown_is_free)
         self._steering = steering(model, parameters.headings)
         self._step_m = grid.resolution_m / 2
+        self._free_cells = np.flatnonzero(self._outline.standable)
         self._poses: list[Pose] = []
         self._from: list[int] = []
         self._to: list[int] = []
@@ -107,20 +108,34 @@ class Roadmap:
     def _sample(self) -> None:
         """Free poses, about one a square of the spacing, each linked to its nearest ones."""
         rng = np.random.default_rng(self._parameters.seed)
-        cells = np.flatnonzero(self._outline.standable)
-        area_m2 = cells.size * self._grid.resolution_m**2
+        area_m2 = float(self._outline.standable.sum()) * self._grid.resolution_m**2
         wanted = min(ceil(area_m2 / self._parameters.spacing_m**2), self._parameters.most_samples)
-        if cells.size == 0:
-            return
-        centres_m = self._grid.centres_m(rng.choice(cells, size=4 * wanted))
-        jitter_m = rng.uniform(-0.5, 0.5, centres_m.shape) * self._grid.resolution_m
-        headings = rng.uniform(-pi, pi, len(centres_m))
-        if self._steering.headings == 1:
-            headings[:] = 0.0
-        for (x, y), heading in zip((centres_m + jitter_m).tolist(), headings.tolist(), strict=True):
-            if len(self._poses) < wanted and self._outline.is_free(x, y, heading):
-                self._poses.append((x, y, heading))
+        for _ in range(4 * wanted):
+            pose = self._random_pose(rng)
+            if self._outline.is_free(*pose):
+                self._poses.append(pose)
+            if len(self._poses) == wanted:
+                break
         self._link_nearest(range(len(self._poses)))
+
+    def random_pose(self, rng: np.random.Generator) -> Pose:
+        """A pose at which the robot can stand.
+
+        Raises:
+            ValueError: if ten thousand trials find none.
+        """
+        for _ in range(10_000):
+            pose = self._random_pose(rng)
+            if self._outline.is_free(*pose):
+                return pose
+        raise ValueError(f"robot type {self._model.type} does not fit on the map")
+
+    def _random_pose(self, rng: np.random.Generator) -> Pose:
+        cell = int(self._free_cells[rng.integers(self._free_cells.size)])
+        centre_m = self._grid.centres_m([cell])[0]
+        x, y = centre_m + rng.uniform(-0.5, 0.5, 2) * self._grid.resolution_m
+        heading = 0.0 if self._steering.headings == 1 else rng.uniform(-pi, pi)
+        return float(x), float(y), float(heading)
 
     def _link_nearest(self, vertices: Sequence[int]) -> None:
         count = len(self._poses)
@@ -166,7 +181,9 @@ class Roadmap:
         vertices = self._places.get(position_m)
         if vertices is not None:
             return vertices
-        headings = [2 * pi * k / self._steering.headings for k in range(self._steering.headings)]
+        count = self._steering.headings
+        # OMPL's headings are within [-pi, pi).
+        headings = [0.0] if count == 1 else [2 * pi * k / count - pi for k in range(count)]
         resolution_m = self._grid.resolution_m
         reach = ceil(1.5 * self._outline.outer_radius_m / resolution_m) + 3
         offsets = sorted(
@@ -360,7 +377,7 @@ class Roadmap:
             return False
         # A disc smaller by a cell's diagonal passes wherever the inner disc passes between cell
         # centres.
-        radius_cells = max(self._outline.inner_radius_m / self._grid.resolution_m - 1.5, 0.0)
+        radius_cells = max(inner_radius_m(self._model) / self._grid.resolution_m - 1.5, 0.0)
         standable = self._outline.standable
         map_ = Traversability(
             self._outline.solid,

@@ -1,0 +1,145 @@
+"""Motions by OMPL: durations on open maps, gaps, a problem with 30 robots and targets."""
+
+from math import inf, isfinite
+from time import perf_counter
+
+import numpy as np
+
+from scenarios.benchmarks.attachments.hospital import hospital_world
+from scenarios.benchmarks.attachments.measuring import table
+from semantic_attachments.contract import Memory
+from semantic_attachments.lazy import solve_lazily
+from semantic_attachments.motion import MotionWorkers, motion_costs
+from semantic_attachments.path_costs import PathCosts
+from semantic_attachments.roadmap import MotionParameters, Roadmap
+from semantic_attachments.robot_class import GridParameters
+from semantic_attachments.rrt_connect import quiet_and_seeded
+from semantic_attachments.world import GridMap, Location, RobotModel, World
+
+SEED = 5
+
+DOMAIN = """
+(define (domain visits)
+  (:requirements :typing :durative-actions :negative-preconditions)
+  (:types robot location - object target - location)
+  (:modules (motionCost ?r - robot ?s ?g - location cost motionCost@libmotion.so))
+  (:predicates (at ?r - robot ?x - location) (visited ?x - target))
+  (:durative-action visit
+    :parameters (?r - robot ?s - location ?g - target)
+    :duration (= ?duration [motionCost ?r ?s ?g])
+    :condition (and (at start (at ?r ?s)) (at start (not (visited ?g))))
+    :effect (and (at start (not (at ?r ?s))) (at end (at ?r ?g)) (at start (visited ?g)))))
+"""
+
+
+def run(*, quick: bool) -> str:
+    """Three tables."""
+    quiet_and_seeded(SEED)
+    return "\n\n".join([open_map(quick), gaps(quick), many_robots(quick)])
+
+
+def car(kinematics: str, width_m: float) -> RobotModel:
+    """A robot 0.9 m long."""
+    x, y = 0.45, width_m / 2
+    corners = ((-x, -y), (x, -y), (x, y), (-x, y))
+    return RobotModel(
+        kinematics, y, 1.0, kinematics=kinematics, footprint_m=corners, turning_radius_m=0.8
+    )
+
+
+def open_map(quick: bool) -> str:
+    """Durations of a point robot over those of the grid."""
+    rng = np.random.default_rng(SEED)
+    grid = GridMap(np.zeros((200, 200), np.int8), resolution_m=0.1)
+    positions = rng.uniform(1, 19, (4 if quick else 10, 2)).tolist()
+    places = {f"place_{i}": Location((x, y)) for i, (x, y) in enumerate(positions)}
+    point = RobotModel("point", radius_m=0.0, speed_m_s=1.0)
+    calls = [("robot", a, b) for a in places for b in places if a < b]
+    world = World(grid, places, {"robot": point})
+    lines = np.array(PathCosts(world, GridParameters(any_angle=True)).many(calls))
+    steps = np.array(PathCosts(world).many(calls))
+    roadmap = Roadmap(point, grid, MotionParameters())
+    motions = np.array(
+        [
+            roadmap.motions(places[a].position_m, [places[b].position_m], [])[0].duration_s
+            for _, a, b in calls
+        ]
+    )
+    rows = [
+        [name, len(calls), float(ratio.min()), float(ratio.mean()), float(ratio.max())]
+        for name, ratio in (("any angle", motions / lines), ("8-connected", motions / steps))
+    ]
+    columns = ["grid", "pairs", "least ratio", "mean ratio", "largest ratio"]
+    return table("Point robot on an open map: motion / grid", columns, rows)
+
+
+def gaps(quick: bool) -> str:
+    """Reeds-Shepp robots before gaps of many widths."""
+    rows = []
+    for width_m in (0.5, 0.7):
+        narrow, wide = [0, 0], [0, 0]
+        for cells in range(3, 15, 4 if quick else 1):
+            grid_cells = np.zeros((60, 80), np.int8)
+            grid_cells[:, 40] = 100
+            grid_cells[30 : 30 + cells, 40] = 0
+            grid = GridMap(grid_cells, resolution_m=0.1)
+            model = car("reeds-shepp", width_m)
+            roadmap = Roadmap(model, grid, MotionParameters(seed=SEED, budget_s=0.5))
+            (motion,) = roadmap.motions((1.0, 3.0), [(7.0, 3.0)], [])
+            count = narrow if cells * 0.1 < width_m - 1e-9 else wide
+            count[0] += 1
+            count[1] += isfinite(motion.duration_s)
+        rows.append([width_m, *narrow, *wide])
+    columns = ["robot's width [m]", "narrower gaps", "passed", "wide enough", "passed"]
+    return table("Reeds-Shepp robots and gaps", columns, rows)
+
+
+def many_robots(quick: bool) -> str:
+    """10 robots of two models and 20 targets in the hospital, durations refined where plans need
+    it."""
+    quiet_and_seeded(SEED)
+    grid = hospital_world().grid
+    rng = np.random.default_rng(SEED)
+    fitting = Roadmap(car("reeds-shepp", 0.6), grid, MotionParameters(seed=SEED))
+    robots, targets = (2, 4) if quick else (10, 20)
+    trials = [fitting.random_pose(rng)[:2] for _ in range(2 * (robots + targets))]
+    motions = fitting.motions(trials[0], trials, [])
+    reached = [
+        spot for spot, motion in zip(trials, motions, strict=True) if motion.duration_s < inf
+    ]
+    places = {
+        (f"start_{i}" if i < robots else f"target_{i - robots}"): Location(position_m)
+        for i, position_m in enumerate(reached[: robots + targets])
+    }
+    models = {f"robot_{i}": car("reeds-shepp" if i % 2 else "se2", 0.6) for i in range(robots)}
+    world = World(grid, places, models)
+    problem = f"""
+    (define (problem many) (:domain visits)
+      (:objects {" ".join(models)} - robot {" ".join(p for p in places if p[0] == "s")} - location
+                {" ".join(p for p in places if p[0] == "t")} - target)
+      (:init {" ".join(f"(at robot_{i} start_{i})" for i in range(robots))})
+      (:goal (and {" ".join(f"(visited {p})" for p in places if p[0] == "t")}))
+      (:metric minimize (total-time)))"""
+    memory = Memory()
+    rows = []
+    for name in ("cold", "roadmaps kept"):
+        costs = motion_costs(world, memory)
+        begun_s = perf_counter()
+        found = solve_lazily(DOMAIN, problem, {"motionCost": costs}, timeout_s=8.0, seed=SEED)
+        wall_s = perf_counter() - begun_s
+        plan = found.result.plan
+        makespan_s = plan.makespan if plan else inf
+        rows.append([name, wall_s, found.exact, found.rounds, found.refined, makespan_s])
+    some = [("robot_0", "target_0", f"target_{i}") for i in range(1, targets)]
+    motion_costs(world, memory).many(some)
+    again = motion_costs(world, memory)
+    begun_s = perf_counter()
+    again.many(some)
+    query_ms = (perf_counter() - begun_s) / len(some) * 1e3
+    workers = memory.get("motion", MotionWorkers)
+    if workers is not None:
+        workers.close()
+    columns = ["workers", "wall [s]", "true durations", "rounds", "motions planned", "makespan [s]"]
+    title = f"Planning with OMPL's durations, hospital, {robots} robots and {targets} targets"
+    calls = robots * targets * targets
+    return f"{table(title, columns, rows)}\n\nOf {calls} calls. A query again: {query_ms:.1f} ms."
