@@ -4,6 +4,7 @@ import importlib.metadata
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from anyio import to_thread
 from fastapi import FastAPI
 
 from domains import catalogue
@@ -22,6 +23,7 @@ from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
 from service.store.plan_store import PlanStore
+from service.store.schema import prepare
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -33,6 +35,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         engine = connect(settings.database_url)
+        await to_thread.run_sync(prepare, engine)
         store = EventStore(engine)
         pool = ProcessPool(
             PoolParameters(

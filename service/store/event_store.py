@@ -17,7 +17,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.coordination.events import Event, MissionClosed, MissionCreated, from_json, to_json
 from service.coordination.ports import StoreError
-from service.store.tables import EVENTS, METADATA, MISSIONS
+from service.store.tables import EVENTS, MISSIONS
 
 BATCH = 256
 """Appends committed together at most."""
@@ -51,7 +51,6 @@ class EventStore:
     """Missions and their events in one database."""
 
     def __init__(self, engine: Engine) -> None:
-        METADATA.create_all(engine)
         self._engine = engine
         self._queue: queue.SimpleQueue[_Append | None] = queue.SimpleQueue()
         self._writer = threading.Thread(target=self._write, name="event-writer", daemon=True)

@@ -1,0 +1,1 @@
+"""Schema changes, one file each (alembic); the first creates everything."""
