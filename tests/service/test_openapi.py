@@ -1,0 +1,76 @@
+"""Whatever a client sends within or beyond the OpenAPI document, no answer is a 5xx."""
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+import uvicorn
+
+from service.app import create_app
+from service.settings import Settings
+
+
+@contextmanager
+def listening() -> Iterator[str]:
+    """The service on a port of its own."""
+    app = create_app(Settings(database_url="sqlite://", planning_processes=1, max_wait_s=0.2))
+    server = uvicorn.Server(uvicorn.Config(app, port=0, log_config=None, lifespan="on"))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        while not server.started:
+            time.sleep(0.01)
+        port = server.servers[0].sockets[0].getsockname()[1]
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+def test_the_document_describes_every_body() -> None:
+    openapi = create_app(Settings(database_url="sqlite://")).openapi()
+    for path, operations in openapi["paths"].items():
+        for method, operation in operations.items():
+            if method in ("post", "put"):
+                assert "requestBody" in operation, f"{method} {path}"
+            assert operation["summary"]
+    names = set(openapi["components"]["schemas"])
+    assert {"CreateMission", "Report", "ReportAnswer", "PlanRequest", "InstructionBody"} <= names
+    references = {
+        text.rsplit("/", 1)[1] for text in _references(openapi) if "#/components/schemas/" in text
+    }
+    assert references <= names
+
+
+def _references(node: Any) -> Iterator[str]:
+    if isinstance(node, dict):
+        for key, value in node.items():
+            if key == "$ref":
+                yield value
+            else:
+                yield from _references(value)
+    elif isinstance(node, list):
+        for value in node:
+            yield from _references(value)
+
+
+@pytest.mark.slow
+def test_no_request_makes_the_service_fail() -> None:
+    with listening() as url:
+        result = subprocess.run(
+            [
+                *(sys.executable, "-m", "schemathesis.cli", "run", f"{url}/openapi.json"),
+                *("--checks", "not_a_server_error", "--phases", "coverage,fuzzing,stateful"),
+                *("--max-examples", "30", "--seed", "1", "--exclude-path-regex", "/events$"),
+                *("--request-timeout", "20"),
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert result.returncode == 0, result.stdout[-5000:] + result.stderr[-2000:]
