@@ -16,6 +16,7 @@ from planner.commands.faults import told
 from planner.commands.progress import Display
 from planner.commands.providers import AttachmentProvider, provided
 from planner.memory import peak_mb
+from planner.outcome import Outcome
 from planner.plan import Plan
 from planner.reading import read_domain, read_problem
 from planner.solving import Limits, Result, improving_plans
@@ -106,17 +107,21 @@ def _search(
     """Runs our own search; writes every improving plan as soon as it is found."""
     display = Display(every_plan=watch)
     search = improving_plans(problem, attachments, limits, on_wait=display.progress)
-    count = 0
+    plans: list[Plan] = []
     try:
         while True:
             plan = next(search)
-            count += 1
+            plans.append(plan)
             if plan_file is not None:
-                plan_file.with_name(f"{plan_file.name}.{count}").write_text(plan.to_text())
+                plan_file.with_name(f"{plan_file.name}.{len(plans)}").write_text(plan.to_text())
             display.plan(plan)
     except StopIteration as end:
         result: Result = end.value
         return result
+    except KeyboardInterrupt:
+        if not plans:
+            raise
+        return Result(Outcome.SOLVED_CANCELLED, tuple(plans))
     finally:
         display.close()
 
