@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.exceptions import TyperException
 
-from scenarios.exit_codes import FAULT, INPUT_ERROR, INTERRUPTED, CommandError
+from scenarios.exit_codes import FAULT, INPUT_ERROR, INTERRUPTED, USAGE_ERROR, CommandError
 
 COMMANDS: dict[str, tuple[str, str, str]] = {
     "demo": (
@@ -57,7 +58,6 @@ def application(arguments: Sequence[str]) -> typer.Typer:
     """The command line with the command that `arguments` name; the others are lines of the help."""
     app = typer.Typer(
         name="marsupial",
-        no_args_is_help=True,
         add_completion=False,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
@@ -81,16 +81,19 @@ def load(target: str) -> Callable[..., Any]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs the command line; a user sees sentences, never a traceback."""
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
         stranger = someone_elses_room()
         if stranger is not None:
             raise CommandError(stranger, FAULT)
-        application(words)(args=words, prog_name="marsupial")
+        sys.exit(application(words)(args=words, prog_name="marsupial", standalone_mode=False))
     except CommandError as failure:
         _say(str(failure))
         sys.exit(failure.exit_code)
-    except KeyboardInterrupt:
+    except TyperException as wrong_usage:
+        wrong_usage.show()  # type: ignore[attr-defined]  # every one of them has it
+        sys.exit(USAGE_ERROR)
+    except (KeyboardInterrupt, typer.Abort):
         sys.exit(INTERRUPTED)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

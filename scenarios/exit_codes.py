@@ -10,6 +10,8 @@ NO_SOLUTION = 12
 TIME_LIMIT = 23
 FAULT = 30
 INPUT_ERROR = 31
+USAGE_ERROR = 36
+"""a command line that cannot be understood"""
 INTERRUPTED = 130
 
 

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from scenarios import cli
-from scenarios.exit_codes import FAULT, INPUT_ERROR, CommandError
+from scenarios.exit_codes import FAULT, INPUT_ERROR, USAGE_ERROR, CommandError
 
 ROOT = Path(cli.__file__).parents[1]
 
@@ -38,6 +38,21 @@ def test_each_command_explains_itself(name: str) -> None:
     shown = CliRunner().invoke(cli.application(words), words)
     assert shown.exit_code == 0, shown.output
     assert len(shown.output) > 200
+
+
+def test_wrong_usage_has_a_code_of_its_own() -> None:
+    """Not Click's 2: that is a plan found before the time was up."""
+    for words in (["plan"], ["run", "x.toml", "--seed", "many"], ["fly"], ["run", "--nonsense"]):
+        run = marsupial(*words)
+        assert run.returncode == USAGE_ERROR, words
+        assert "Traceback" not in run.stderr
+        assert "Usage" in run.stderr
+
+
+def test_without_words_there_is_help() -> None:
+    run = marsupial()
+    assert run.returncode == 0
+    assert "Usage" in run.stdout
 
 
 def test_missing_scenario_is_a_sentence() -> None:
