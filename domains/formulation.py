@@ -184,7 +184,8 @@ class Formulation(ABC):
         begun_s = 0.0
         for step, order in agenda:
             if order.kind is OrderKind.MOVE and order.location == robot.arrived_at:
-                begun_s = step.start + (step.duration or 0.0)
+                # In an older plan the movement may lie in the past: now is the earliest.
+                begun_s = max(0.0, step.start + (step.duration or 0.0))
                 continue
             kind = order.kind if step.start <= begun_s + self.wait_margin_s else OrderKind.WAIT
             return Assignment(

@@ -1,7 +1,8 @@
 """What is left of the plan in force, and what it says the robots do next."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import planner
 from domains.formulation import Assignment, Formulation, Order, OrderKind
@@ -9,6 +10,12 @@ from domains.mission_state import MissionState
 from domains.naming import Names
 from service.messages.plan import PlanStep
 from service.messages.report import Command
+
+WAIT_MARGIN_S = 0.5
+"""A step that starts later than this after its robots' last ones waits for somebody else."""
+
+Entry: TypeAlias = tuple[planner.Step, tuple[Order, ...]]
+"""A step and what it means for its robots."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +26,7 @@ class Remainder:
     """Starts count from now; those of steps under way or late are negative."""
     names: Names
     """The names that its steps are written in."""
-    orders: tuple[tuple[planner.Step, tuple[Order, ...]], ...]
+    orders: tuple[Entry, ...]
 
     def assignments(self, formulation: Formulation, state: MissionState) -> tuple[Assignment, ...]:
         """What each free robot does next."""
@@ -47,19 +54,47 @@ def remainder(
     it has done are done too: a robot that stands where it should move to gets no command for it.
     """
     names = Names(dict.fromkeys(argument for step in steps for argument in step.arguments))
-    left: list[tuple[planner.Step, tuple[Order, ...]]] = []
+    left: list[Entry] = []
     for step in sorted(steps, key=lambda step: step.start_s):
         arguments = tuple(names.name(argument) for argument in step.arguments)
         native = planner.Step(step.start_s - state.time_s, step.action, arguments, step.duration_s)
         left.append((native, tuple(formulation.orders(native, names))))
+    waiting = _waiting(left)
     for command in done:
         left = _without(left, command)
+    left = _begun_at_once(left, waiting)
     return Remainder(planner.Plan(tuple(step for step, _ in left)), names, tuple(left))
 
 
-def _without(
-    left: list[tuple[planner.Step, tuple[Order, ...]]], command: Command
-) -> list[tuple[planner.Step, tuple[Order, ...]]]:
+def _waiting(entries: Sequence[Entry]) -> set[planner.Step]:
+    """Steps before which a robot stands still in the plan: they wait for somebody else."""
+    free_s: dict[str, float] = {}
+    begin_s = min((step.start for step, _ in entries), default=0.0)
+    waiting = set()
+    for step, orders in entries:
+        ready_s = max(free_s.get(order.robot, begin_s) for order in orders)
+        if step.start > ready_s + WAIT_MARGIN_S:
+            waiting.add(step)
+        for order in orders:
+            free_s[order.robot] = step.end
+    return waiting
+
+
+def _begun_at_once(left: Sequence[Entry], waiting: set[planner.Step]) -> list[Entry]:
+    """The remainder in which robots that are early, and wait for nobody, begin what comes next."""
+    seen: set[str] = set()
+    begun = []
+    for step, orders in left:
+        robots = {order.robot for order in orders}
+        if step not in waiting and step.start > 0.0 and not robots & seen:
+            begun.append((replace(step, start=0.0), orders))
+        else:
+            begun.append((step, orders))
+        seen |= robots
+    return begun
+
+
+def _without(left: list[Entry], command: Command) -> list[Entry]:
     wanted = (command.robot, command.kind, command.location)
     for index, (_, orders) in enumerate(left):
         if any((o.robot, o.kind.value, o.location) == wanted for o in orders):

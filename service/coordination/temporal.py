@@ -27,6 +27,7 @@ from service.messages.instruction import Deadline, Pin, Priority
 from service.messages.plan import PlanStep
 
 LOG = logging.getLogger(__name__)
+AT_WORK = (Activity.CLEARING, Activity.DOCKING, Activity.UNDOCKING)
 PRIORITY_SLACK = 1.05
 """A plan for everything may visit urgent targets this much later than a plan for them alone."""
 
@@ -208,24 +209,37 @@ class Planning:
         )
 
     def _lag_s(self, left: Remainder, assignments: Sequence[Assignment]) -> float:
-        """By how much the team is behind the plan [s]; infinite if a robot's way is barred."""
+        """By how much the team is behind the plan [s]; infinite if it can no longer be carried out.
+
+        A robot on its way is late by the time it still needs; whatever has not begun is late
+        since it should have.
+        """
         travel = Travel(self.situation, self.memory)
+        state = self.situation.state
+        busy_until_s = {
+            robot.id: robot.free_at_s - state.time_s
+            for robot in state.robots
+            if robot.activity in AT_WORK
+        }
+        driving = {
+            assignment.robot: assignment.location
+            for assignment in assignments
+            if assignment.kind in (OrderKind.MOVE, OrderKind.EXPLORE)
+        }
+        if not busy_until_s and not any(a.kind is not OrderKind.WAIT for a in assignments):
+            return float("inf")
         lag_s = 0.0
-        for assignment in assignments:
-            if assignment.kind not in (OrderKind.MOVE, OrderKind.EXPLORE):
-                continue
-            if assignment.location is None or assignment.location not in travel.names:
-                return float("inf")
-            (time_s,) = travel.times_s([assignment.robot], [assignment.location])[0]
-            planned_s = next(
-                step.end
-                for step, orders in left.orders
-                if any(
-                    o.robot == assignment.robot and o.location == assignment.location
-                    for o in orders
-                )
-            )
-            lag_s = max(lag_s, time_s - planned_s)
+        for step, orders in left.orders:
+            robot, location = orders[0].robot, orders[0].location
+            if robot in busy_until_s:
+                lag_s = max(lag_s, busy_until_s.pop(robot) - step.end)
+            elif driving.get(robot) == location:
+                del driving[robot]
+                if location not in travel.names:
+                    return float("inf")
+                lag_s = max(lag_s, travel.times_s([robot], [location])[0][0] - step.end)
+            else:
+                lag_s = max(lag_s, -step.start)
         return lag_s
 
     # What is told
