@@ -7,6 +7,9 @@ __version__: str
 
 StepTuple = tuple[float, str, list[str], float | None]
 
+class Panic(Exception):  # noqa: N818 the word for it in Rust
+    """The core contradicted itself."""
+
 @final
 class Diagnostic:
     """One finding about a file: what, where, how to mend it."""
@@ -280,3 +283,4 @@ def mentions(domain: str | None, problem: str | None) -> list[Mention]: ...
 def completions(
     text: str, line: int, column: int, domain: str | None
 ) -> list[tuple[str, str, str]]: ...
+def panic_on_purpose(message: str) -> None: ...

@@ -1,9 +1,10 @@
 """Findings about PDDL and plan texts, and the exceptions of the planner."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import ClassVar
 
-from planner._core import Diagnostic
+from planner._core import Diagnostic, Panic
 from planner.outcome import Outcome
 
 __all__ = ["AttachmentError", "Diagnostic", "InternalError", "PddlError", "PlannerError"]
@@ -17,6 +18,15 @@ class PlannerError(Exception):
 
 class InternalError(PlannerError):
     """The planner contradicted itself: a panic, or a plan that its own validator rejects."""
+
+
+@contextmanager
+def without_panics() -> Iterator[None]:
+    """Turns a panic of the core into an `InternalError`."""
+    try:
+        yield
+    except Panic as panic:
+        raise InternalError(f"{panic}; please report it with the domain and problem") from None
 
 
 class PddlError(PlannerError):

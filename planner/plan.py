@@ -6,7 +6,7 @@ from typing import Any, Self, TypeAlias, overload
 
 from planner import _core
 from planner._core import Problem
-from planner.diagnostics import PddlError
+from planner.diagnostics import PddlError, without_panics
 
 StepTuple: TypeAlias = tuple[float, str, list[str], float | None]
 """A step at the border: start [s], action, arguments, duration [s]."""
@@ -61,9 +61,9 @@ class Plan(Sequence[Step]):
 
         Raises `PddlError` with every fault: unknown names, wrong arguments, missing durations.
         """
-        steps, diagnostics = _core.read_plan(
-            problem, text.encode() if isinstance(text, str) else text, name
-        )
+        content = text.encode() if isinstance(text, str) else text
+        with without_panics():
+            steps, diagnostics = _core.read_plan(problem, content, name)
         if steps is None:
             raise PddlError(diagnostics)
         return cls(steps_of(steps), problem.domain.name, problem.name)

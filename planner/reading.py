@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from planner import _core
 from planner._core import Domain, Problem
-from planner.diagnostics import PddlError, PlannerError
+from planner.diagnostics import PddlError, PlannerError, without_panics
 from planner.outcome import Outcome
 from planner.plan import Plan
 
@@ -31,7 +31,8 @@ def read_domain(text: DomainLike | bytes, name: str = "domain.pddl") -> Domain:
     if isinstance(text, Domain):
         return text
     content, name = _content(text, name)
-    domain, diagnostics = _core.read_domain(content, name)
+    with without_panics():
+        domain, diagnostics = _core.read_domain(content, name)
     if domain is None:
         raise PddlError(diagnostics)
     return domain
@@ -45,7 +46,8 @@ def read_problem(
         return text
     domain = read_domain(domain)
     content, name = _content(text, name)
-    problem, diagnostics = _core.read_problem(domain, content, name)
+    with without_panics():
+        problem, diagnostics = _core.read_problem(domain, content, name)
     if problem is None:
         raise PddlError(diagnostics)
     return problem

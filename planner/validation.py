@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from planner import _core
 from planner.attachments import Attachments, as_dict, attachment_error
+from planner.diagnostics import without_panics
 from planner.plan import tuples_of
 from planner.reading import DomainLike, PlanLike, ProblemLike, read_plan, read_problem
 
@@ -57,9 +58,10 @@ def validate(
     """
     parsed = read_problem(domain, problem)
     steps = read_plan(parsed, plan)
-    verdict, exception = _core.validate(
-        parsed, tuples_of(steps), as_dict(attachments), tolerance_s, separation_s, report
-    )
+    with without_panics():
+        verdict, exception = _core.validate(
+            parsed, tuples_of(steps), as_dict(attachments), tolerance_s, separation_s, report
+        )
     if verdict.attachment is not None:
         raise attachment_error(verdict.attachment, exception)
     return Verdict(

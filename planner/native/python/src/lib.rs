@@ -7,6 +7,7 @@ mod attachments;
 mod diagnostic;
 mod editor;
 mod model;
+mod panic;
 mod plan;
 mod search;
 mod state_view;
@@ -17,7 +18,9 @@ use pyo3::prelude::*;
 /// The extension module `planner._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    panic::install_hook();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("Panic", module.py().get_type::<panic::Panic>())?;
     module.add_class::<diagnostic::Diagnostic>()?;
     module.add_class::<model::Domain>()?;
     module.add_class::<model::Problem>()?;
@@ -32,5 +35,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(plan::read_plan, module)?)?;
     module.add_function(wrap_pyfunction!(plan::write_plan, module)?)?;
     module.add_function(wrap_pyfunction!(validation::validate, module)?)?;
+    module.add_function(wrap_pyfunction!(panic::panic_on_purpose, module)?)?;
     editor::register(module)
 }

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PySet, PyTuple};
 
 use crate::diagnostic::{Diagnostic, convert};
+use crate::panic;
 
 /// A domain: read once, used for many problems.
 #[pyclass(frozen, module = "planner")]
@@ -47,7 +48,7 @@ pub fn read_domain(
     name: &str,
 ) -> PyResult<(Option<Py<Domain>>, Vec<Diagnostic>)> {
     let source = SourceFile::from_bytes(name, text);
-    let (model, diagnostics) = py.detach(|| pddl::read_domain(&source));
+    let (model, diagnostics) = panic::detached(py, || pddl::read_domain(&source))?;
     let model = model.filter(|_| !has_errors(&diagnostics));
     let diagnostics = convert(&diagnostics, &source, None);
     let domain = model
@@ -74,7 +75,7 @@ pub fn read_problem(
 ) -> PyResult<(Option<Py<Problem>>, Vec<Diagnostic>)> {
     let source = SourceFile::from_bytes(name, text);
     let parsed = Arc::clone(&domain.get().model);
-    let (model, diagnostics) = py.detach(|| pddl::read_problem(&source, &parsed));
+    let (model, diagnostics) = panic::detached(py, || pddl::read_problem(&source, &parsed))?;
     let model = model.filter(|_| !has_errors(&diagnostics));
     let diagnostics = convert(&diagnostics, &source, Some(&domain.get().source));
     let problem = model

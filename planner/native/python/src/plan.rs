@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 use crate::diagnostic::{Diagnostic, convert};
 use crate::model::Problem;
+use crate::panic;
 
 /// Start [s], action, arguments, duration [s] (`None` for an instantaneous action).
 pub type StepTuple = (f64, String, Vec<String>, Option<f64>);
@@ -43,17 +44,19 @@ pub fn from_tuples(steps: Vec<StepTuple>) -> Plan {
 /// Reads plan text; `None` where a diagnostic is an error.
 #[pyfunction]
 pub fn read_plan(
+    py: Python<'_>,
     problem: &Problem,
     text: &[u8],
     name: &str,
-) -> (Option<Vec<StepTuple>>, Vec<Diagnostic>) {
+) -> PyResult<(Option<Vec<StepTuple>>, Vec<Diagnostic>)> {
     let source = SourceFile::from_bytes(name, text);
     let domain = &problem.domain.get().model;
-    let (plan, diagnostics) = reader::read(&source, domain, &problem.model);
-    (
+    let (plan, diagnostics) =
+        panic::detached(py, || reader::read(&source, domain, &problem.model))?;
+    Ok((
         plan.as_ref().map(to_tuples),
         convert(&diagnostics, &source, None),
-    )
+    ))
 }
 
 /// Writes plan text.

@@ -1,6 +1,5 @@
 //! A search in a thread of its own: Python waits without the GIL, sees signals, and gets plans as they come.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -17,6 +16,7 @@ use pyo3::types::PyDict;
 
 use crate::attachments::{FailedCall, PythonAttachments, failed_call};
 use crate::model::Problem;
+use crate::panic::caught;
 use crate::plan::{StepTuple, from_tuples, to_tuples};
 
 /// How often a waiting Python thread looks for signals.
@@ -127,21 +127,14 @@ impl Search {
             .name("marsupial search".into())
             .stack_size(16 << 20)
             .spawn(move || {
-                let run = AssertUnwindSafe(|| {
-                    run(
-                        &domain,
-                        &problem,
-                        &attachments,
-                        &settings,
-                        Signals {
-                            cancel: &cancel,
-                            progress: &progress,
-                            sender: &sender,
-                        },
-                    );
-                });
-                if let Err(panic) = catch_unwind(run) {
-                    let _ = sender.send(Message::Internal(panic_text(panic.as_ref())));
+                let signals = Signals {
+                    cancel: &cancel,
+                    progress: &progress,
+                    sender: &sender,
+                };
+                let run = || run(&domain, &problem, &attachments, &settings, signals);
+                if let Err(panic) = caught(run) {
+                    let _ = sender.send(Message::Internal(panic));
                 }
             })?;
         Ok(search)
@@ -308,12 +301,4 @@ impl From<&SolveReport> for Report {
             grounding_s: report.grounding_s,
         }
     }
-}
-
-fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
-    panic
-        .downcast_ref::<&str>()
-        .map(ToString::to_string)
-        .or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "the search panicked".into())
 }

@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::attachments::{FailedCall, PythonAttachments, failed_call};
 use crate::model::Problem;
+use crate::panic;
 use crate::plan::{StepTuple, from_tuples};
 
 /// What validation found.
@@ -66,7 +67,8 @@ pub fn validate(
         report,
     };
     let plan = from_tuples(steps);
-    let verdict =
-        py.detach(|| core::validate(domain, &problem.model, &plan, &attachments, &options));
+    let verdict = panic::detached(py, || {
+        core::validate(domain, &problem.model, &plan, &attachments, &options)
+    })?;
     Ok((verdict.into(), attachments.exception()))
 }
