@@ -62,13 +62,20 @@ class Driving:
         plan = robot.timed
         last = bisect.bisect_right(plan, time_s + _AHEAD_S, key=lambda p: p[0]) - 1
         floor, radius_m = self.navigation.floor(robot.kind), robot.kind.radius_m
-        for index in range(max(last, 0), max(last - 12, -1), -1):
-            point = plan[index][1:]
-            if floor.leg_is_clear(*robot.position, *point, radius_m + 0.01):
-                left_m = math.dist(robot.position, point)
-                # As fast as the plan, so that the robot arrives neither early nor late.
-                return (point, 1.1 * left_m / _AHEAD_S) if left_m > 0.05 else None
-        return None
+        points = [point[1:] for point in plan[max(last - 12, 0) : max(last, 0) + 1]]
+        reachable = (
+            point
+            # A robot that touches the margin already is led out of it; the guard sees to the walls.
+            for margin_m in (0.01, 0.0, -0.02)
+            for point in reversed(points)
+            if floor.leg_is_clear(*robot.position, *point, radius_m + margin_m)
+        )
+        point = next(reachable, None)
+        if point is None:
+            return None
+        left_m = math.dist(robot.position, point)
+        # As fast as the plan, so that the robot arrives neither early nor late.
+        return (point, 1.1 * left_m / _AHEAD_S) if left_m > 0.05 else None
 
     def _safe_share(
         self,

@@ -39,6 +39,8 @@ class RightOfWaySettings:
     """robots further away are no concern"""
     front_s: float = 10.0
     """how long a robot that found no way stays at the front of the order"""
+    held_s: float = 4.0
+    """how long those who come are taken to be held up by a robot that cannot get away in time"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,12 @@ class _Before:
     """(robots, times, 2)"""
     apart_m: NDArray[np.float64]
     """(robots,) between the centres"""
+
+    def held(self, periods: int) -> _Before:
+        """The same robots, each standing where it is for so long before it goes on."""
+        standing = np.repeat(self.motions[:, :1], periods, axis=1)
+        late = np.concatenate([standing, self.motions[:, :-periods]], axis=1)
+        return _Before(self.robots, late, self.apart_m)
 
 
 class RightOfWay:
@@ -95,7 +103,7 @@ class RightOfWay:
             if not robot.is_immovable(time_s):
                 if opponent is None:
                     self._relieve(robot, before, time_s)
-                elif not self._give_way(robot, before, self._goals(robot, present), time_s):
+                elif not self._get_clear(robot, before, self._goals(robot, present), time_s):
                     robot.timed = [(time_s, robot.x, robot.y)]
                     if robot.id not in self._front:
                         stuck.append((robot, opponent.id))
@@ -174,6 +182,18 @@ class RightOfWay:
             self.navigation.quads(),
             self.navigation.standing_but(robot),
         )
+
+    def _get_clear(
+        self, robot: Robot, before: _Before, goals: list[Point], time_s: float
+    ) -> bool:
+        """Gives way; where the others are too near for that, gets out of the way they wait for.
+
+        Those who come brake before a robot that stands there, so there is time to leave.
+        """
+        if self._give_way(robot, before, goals, time_s):
+            return True
+        held = round(self.settings.held_s / self.settings.period_s)
+        return self._give_way(robot, before.held(held), goals, time_s)
 
     def _give_way(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
         """Plans a motion around those before; False if there is none."""
