@@ -15,6 +15,8 @@ from simulator.world import World
 
 _GAP_M = 0.03
 """the guard's distance to robots and blockades"""
+_STAND_OFF_M = 0.25
+"""its distance to a robot straight ahead, which leaves that one room to turn aside"""
 _WALL_GAP_M = 0.005
 _AHEAD_S = 0.5
 """how far ahead of its plan a robot that gives way steers"""
@@ -104,9 +106,9 @@ class Driving:
             return False
         for other in near:
             gap = math.dist(after, ahead[other.id])
-            if gap < radius_m + other.kind.radius_m + _GAP_M and gap < math.dist(
-                robot.position, ahead[other.id]
-            ):
+            before = math.dist(robot.position, ahead[other.id])
+            apart_m = radius_m + other.kind.radius_m + self._gap_m(robot, other, after)
+            if gap < apart_m and gap < before:
                 return False
         for blockade in self.world.blockades():
             gap = math.dist(after, nearest_on_segment(after, blockade.segment_m))
@@ -115,6 +117,17 @@ class Driving:
             ):
                 return False
         return True
+
+    @staticmethod
+    def _gap_m(robot: Robot, other: Robot, after: Point) -> float:
+        meets = robot.command is not None and robot.command.partner == other.id
+        if robot.timed or meets:
+            return _GAP_M
+        step = (after[0] - robot.x, after[1] - robot.y)
+        towards = (other.x - robot.x, other.y - robot.y)
+        along = step[0] * towards[0] + step[1] * towards[1]
+        straight = along > 0.8 * math.hypot(*step) * math.hypot(*towards)
+        return _STAND_OFF_M if straight else _GAP_M
 
 
 def _neighbours(present: Sequence[Robot], within_m: float = 2.5) -> list[list[Robot]]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from simulator.fleet_scenario import Point
 from simulator.navigation import MARGIN_M, Navigation
-from simulator.robot import Robot
+from simulator.robot import Robot, TimedPoint
 
 _RANKS = {"clear": 0, "explore": 1, "move": 2, "dock": 3, "undock": 3}
 
@@ -183,9 +183,7 @@ class RightOfWay:
             self.navigation.standing_but(robot),
         )
 
-    def _get_clear(
-        self, robot: Robot, before: _Before, goals: list[Point], time_s: float
-    ) -> bool:
+    def _get_clear(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
         """Gives way; where the others are too near for that, gets out of the way they wait for.
 
         Those who come brake before a robot that stands there, so there is time to leave.
@@ -193,7 +191,10 @@ class RightOfWay:
         if self._give_way(robot, before, goals, time_s):
             return True
         held = round(self.settings.held_s / self.settings.period_s)
-        return self._give_way(robot, before.held(held), goals, time_s)
+        if not self._give_way(robot, before.held(held), goals, time_s):
+            return False
+        robot.timed = _at_once(robot.timed)
+        return True
 
     def _give_way(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
         """Plans a motion around those before; False if there is none."""
@@ -220,3 +221,13 @@ class RightOfWay:
             return False
         robot.timed = [(time_s + t, x, y) for t, x, y in plan]
         return True
+
+
+def _at_once(plan: list[TimedPoint], within_m: float = 0.15) -> list[TimedPoint]:
+    """The motion without the wait at its beginning: nobody moves before this robot has left."""
+    start = plan[0]
+    for index, point in enumerate(plan):
+        if math.dist(point[1:], start[1:]) > within_m:
+            early_s = plan[max(index - 1, 0)][0] - start[0]
+            return [start, *((t - early_s, x, y) for t, x, y in plan[index:])]
+    return plan

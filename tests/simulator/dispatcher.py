@@ -59,6 +59,9 @@ class Dispatcher:
 
     def answer(self, report: dict[str, Any]) -> dict[str, Any]:
         for robot in report["robots"]:
+            if robot["state"] == "failed":
+                self.commands.pop(robot["id"], None)
+        for robot in report["robots"]:
             if robot["id"] not in self.commands and robot["state"] != "failed":
                 self.order(robot)
         return {
