@@ -64,7 +64,7 @@ class Driving:
         plan = robot.timed
         last = bisect.bisect_right(plan, time_s + _AHEAD_S, key=lambda p: p[0]) - 1
         floor, radius_m = self.navigation.floor(robot.kind), robot.kind.radius_m
-        points = [point[1:] for point in plan[max(last - 12, 0) : max(last, 0) + 1]]
+        points = [(x, y) for _, x, y in plan[max(last - 12, 0) : max(last, 0) + 1]]
         reachable = (
             point
             # A robot that touches the margin already is led out of it; the guard sees to the walls.
