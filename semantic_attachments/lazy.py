@@ -11,12 +11,16 @@ plans take the place of paths.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from time import monotonic
 from typing import Protocol
 
 import planner
 
 Call = tuple[str, ...]
+
+_SEEKING = 0.6
+"""Share of the time in which further costs are computed."""
 
 
 class Refinable(Protocol):
@@ -62,13 +66,27 @@ class Optimistic:
 
 
 @dataclass(frozen=True, slots=True)
+class Known:
+    """An evaluator of the costs that are known; without its cost an action cannot be."""
+
+    known: Mapping[Call, float]
+
+    def __call__(self, *arguments: str) -> float:
+        return self.known.get(arguments, inf)
+
+    def many(self, calls: Sequence[Call]) -> list[float]:
+        """Many at once."""
+        return [self.known.get(tuple(call), inf) for call in calls]
+
+
+@dataclass(frozen=True, slots=True)
 class LazyResult:
     """How lazy planning ended."""
 
     result: planner.Result
     """That of the last round; its plan holds with true costs if `exact`."""
     exact: bool
-    """Whether all costs of the plan are true ones, or there is no plan even with bounds."""
+    """Whether all costs of the plan are true ones, or there is certainly no plan."""
     rounds: int
     """Plans that were sought."""
     refined: int
@@ -86,33 +104,46 @@ def solve_lazily(
 ) -> LazyResult:
     """Plans with `lazy` attachments refined where needed, and others as they are.
 
-    A round seeks a plan for at most a twentieth of the time. Raises what `planner.solve` raises.
+    A round seeks a plan for a twentieth of the time, twice as long after each round that finds
+    none. What is left of the time after six tenths of it goes to the costs known by then: the last
+    plan, and better ones that need no others. Raises what `planner.solve` raises.
     """
-    deadline = monotonic() + timeout_s
+    begun = monotonic()
     parsed = planner.read_problem(domain, problem)
     optimistic = {name: Optimistic(attachment) for name, attachment in lazy.items()}
     bound = {**(attachments or {}), **optimistic}
-    rounds = 0
+    rounds, round_s = 0, timeout_s / 20
     plan: planner.Plan | None = None
+    exact = False
     while True:
         rounds += 1
         result = planner.solve(
-            domain,
-            parsed,
-            attachments=bound,
-            timeout_s=timeout_s / 20,
-            seed=seed,
-            warm_start=plan,
+            domain, parsed, attachments=bound, timeout_s=round_s, seed=seed, warm_start=plan
         )
         plan = result.plan
-        exact = plan is None
-        if plan is not None:
+        exact = result.outcome is planner.Outcome.PROVEN_UNSOLVABLE
+        if plan is None:
+            round_s *= 2
+        else:
             for one in optimistic.values():
                 one.asked.clear()
             # The validator asks for the costs of the plan's actions and no others.
             planner.validate(domain, parsed, plan, attachments=bound)
             above = [one.refine() for one in optimistic.values()]
             exact = not any(above)
-        if exact or monotonic() >= deadline:
-            refined = sum(len(one.known) for one in optimistic.values())
-            return LazyResult(result, exact, rounds, refined)
+        if exact or monotonic() >= begun + _SEEKING * timeout_s:
+            break
+    if not exact:
+        rounds += 1
+        settled = planner.solve(
+            domain,
+            parsed,
+            attachments={**bound, **{name: Known(one.known) for name, one in optimistic.items()}},
+            timeout_s=max(begun + timeout_s - monotonic(), round_s),
+            seed=seed,
+            warm_start=plan,
+        )
+        if settled.plan is not None:
+            result, exact = settled, True
+    refined = sum(len(one.known) for one in optimistic.values())
+    return LazyResult(result, exact, rounds, refined)

@@ -32,6 +32,8 @@ class Outline:
         padded = np.pad(~solid, 1, constant_values=True)
         distances = ndimage.distance_transform_edt(padded)[1:-1, 1:-1]
         clearance = np.where(solid.any(), distances, np.inf).astype(np.float32)
+        self.clearance_cells = clearance
+        """(height, width) distance from the centre of each cell to that of the nearest obstacle."""
         corners = hull(model.footprint_m)
         self.outer_radius_m = max((hypot(x, y) for x, y in corners), default=model.radius_m)
         """Radius of the least disc around the reference point that contains the outline [m]."""

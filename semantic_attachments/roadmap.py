@@ -3,8 +3,8 @@
 Vertices are random poses and the places asked for; edges are steering motions to the k nearest
 vertices. An edge is checked against the map only when it lies on a shortest path, and against a
 blockade only where that is closed, so the roadmap outlives blockades. Pieces of a found path that
-steer directly become edges, which shortens it; what the roadmap does not connect, RRT-Connect is
-asked about, and its motion becomes part of the roadmap.
+steer directly become edges, which shortens it. What the roadmap does not connect is tried with
+poses along the grid path of a disc inside the outline, then by RRT-Connect; both become part of it.
 
 Sources: Bohlin and Kavraki, "Path planning using lazy PRM", ICRA 2000; Karaman and Frazzoli,
 "Sampling-based algorithms for optimal motion planning", IJRR 30(7), 2011 (number of neighbours,
@@ -14,7 +14,7 @@ PRM*); Kuffner and LaValle, "RRT-Connect", ICRA 2000 (OMPL's implementation).
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
-from math import ceil, e, hypot, inf, log, pi
+from math import atan2, ceil, e, hypot, inf, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,9 @@ class Motion:
 Ends = tuple[frozenset[int], frozenset[int]]
 """Vertices at which a path starts and those at which it may end touching a blockade."""
 
+_GUIDES = 8
+"""Maps of closed blockades that are kept."""
+
 NO_MOTION = Motion(inf, np.empty((0, 3)))
 
 
@@ -87,7 +90,9 @@ class Roadmap:
         """The edges that touch a blockade."""
         self._places: dict[PositionM, tuple[int, ...]] = {}
         self._cells: dict[Blockade, NDArray[np.uint32]] = {}
-        self._hopeless: set[tuple[tuple[int, ...], tuple[int, ...], frozenset[Blockade]]] = set()
+        self._asked: set[tuple[tuple[int, ...], tuple[int, ...], frozenset[Blockade]]] = set()
+        """Places without path, with the blockades that were closed."""
+        self._guides: dict[frozenset[Blockade], Traversability] = {}
         self._sample()
 
     def motions(
@@ -100,9 +105,12 @@ class Roadmap:
             self._link(first, last, most=4)
         found = self._paths(first, lasts, closed)
         missing = [i for i, path in enumerate(found) if not path and first and lasts[i]]
-        asked = [self._ask_rrt_connect(first, lasts[i], closed) for i in missing]
-        if any(asked):
+        guided = [i for i in missing if self._follow_grid(first, lasts[i], closed)]
+        if guided:
             found = self._paths(first, lasts, closed)
+            missing = [i for i in guided if not found[i]]
+            if any([self._ask_rrt_connect(first, lasts[i], closed) for i in missing]):  # noqa: C419
+                found = self._paths(first, lasts, closed)
         return [self._motion(path) for path in found]
 
     def _sample(self) -> None:
@@ -335,13 +343,7 @@ class Roadmap:
     def _ask_rrt_connect(
         self, first: tuple[int, ...], last: tuple[int, ...], closed: Sequence[Blockade]
     ) -> bool:
-        """Whether RRT-Connect, asked once for each such question, found a motion."""
-        question = (first, last, frozenset(closed))
-        if question in self._hopeless:
-            return False
-        self._hopeless.add(question)
-        if not self._may_connect(first[0], last[0], closed):
-            return False
+        """Whether RRT-Connect found a motion."""
 
         def is_free(x: float, y: float, heading: float) -> bool:
             if not self._outline.is_free(x, y, heading):
@@ -369,28 +371,56 @@ class Roadmap:
             self._add_edge((a, b), self._steered_s(a, b))
         return True
 
-    def _may_connect(self, start: int, goal: int, closed: Sequence[Blockade]) -> bool:
-        """Whether the disc inside the outline gets through, which it must for the outline to do
-        so."""
-        cells = [self._grid.cell_at(self._poses[vertex][:2]) for vertex in (start, goal)]
-        if cells[0] is None or cells[1] is None:
+    def _follow_grid(
+        self, first: tuple[int, ...], last: tuple[int, ...], closed: Sequence[Blockade]
+    ) -> bool:
+        """Adds poses along the grid path of the disc inside the outline; whether that is worth it.
+
+        It is not if that disc does not get through, since then the outline does not, or if it was
+        done before for the same question. Random poses seldom stand in doors, those added do.
+        """
+        question = (first, last, frozenset(closed))
+        if question in self._asked:
             return False
-        # A disc smaller by a cell's diagonal passes wherever the inner disc passes between cell
-        # centres.
-        radius_cells = max(inner_radius_m(self._model) / self._grid.resolution_m - 1.5, 0.0)
-        standable = self._outline.standable
-        map_ = Traversability(
-            self._outline.solid,
-            ~standable & ~self._outline.solid,
-            radius_cells,
-            None,
-            [self._blockade_cells(blockade) for blockade in closed],
-        )
+        self._asked.add(question)
+        cells = [self._grid.cell_at(self._poses[vertex][:2]) for vertex in (first[0], last[0])]
+        map_ = self._guide(closed)
         limit = 3 + 2 * self._outline.outer_radius_m / self._grid.resolution_m
         ends = [map_.nearest(cell, [], limit) for cell in cells if cell is not None]
-        if ends[0] is None or ends[1] is None:
-            return True
-        return map_.field(ends[0][0]).distance(ends[1][0]) < inf
+        if len(ends) < 2 or ends[0] is None or ends[1] is None:
+            return len(ends) == 2
+        way_m = self._grid.centres_m(map_.field(ends[0][0]).path_to(ends[1][0]))
+        stride = max(round(self._outline.outer_radius_m / self._grid.resolution_m), 1)
+        added = len(self._poses)
+        for index in range(0, len(way_m), stride):
+            ahead_m = way_m[min(index + stride, len(way_m) - 1)]
+            behind_m = way_m[max(index - stride, 0)]
+            heading = atan2(*(ahead_m - behind_m)[::-1]) if self._steering.headings > 1 else 0.0
+            x, y = way_m[index].tolist()
+            headings = [heading] if self._steering.headings == 1 else [heading, heading + pi]
+            poses = [(x, y, (h + pi) % (2 * pi) - pi) for h in headings]
+            self._poses.extend(pose for pose in poses if self._outline.is_free(*pose))
+        self._link_nearest(range(added, len(self._poses)))
+        return len(way_m) > 0
+
+    def _guide(self, closed: Sequence[Blockade]) -> Traversability:
+        """The map for the disc inside the outline, slower near walls: its paths keep off them."""
+        key = frozenset(closed)
+        if key not in self._guides:
+            if len(self._guides) >= _GUIDES:
+                self._guides.clear()
+            # A disc smaller by what cells may hide passes wherever the inner disc does.
+            inner_cells = inner_radius_m(self._model) / self._grid.resolution_m - 1.5
+            outer_cells = self._outline.outer_radius_m / self._grid.resolution_m + 1
+            gap = np.minimum(self._outline.clearance_cells, 2 * outer_cells)
+            self._guides[key] = Traversability(
+                self._outline.solid,
+                ~self._outline.standable & ~self._outline.solid,
+                max(inner_cells, 0.0),
+                (1 + 4 * np.clip(1 - gap / (2 * outer_cells), 0, 1)).astype(np.float32),
+                [self._blockade_cells(blockade) for blockade in closed],
+            )
+        return self._guides[key]
 
     def _blockade_cells(self, blockade: Blockade) -> NDArray[np.uint32]:
         if blockade not in self._cells:

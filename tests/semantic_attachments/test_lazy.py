@@ -1,6 +1,7 @@
 """Lazy refinement: the plan's costs are true ones, and few of the others are computed."""
 
 import math
+import time
 from collections.abc import Sequence
 
 import planner
@@ -69,3 +70,18 @@ def test_no_plan_under_the_bounds_is_no_plan() -> None:
     assert found.exact
     assert found.result.plan is None
     assert found.refined == 0
+
+
+def test_when_time_is_short_the_plan_still_has_true_costs() -> None:
+    class Slow(Roads):
+        def many(self, calls: Sequence[tuple[str, ...]]) -> list[float]:
+            time.sleep(0.3)
+            return super().many(calls)
+
+    # Every refined way turns out longer than all others look.
+    roads = Slow({("a", "d"): 49.0})
+    found = solve_lazily(DOMAIN, PROBLEM, {"drive": roads}, timeout_s=0.4)
+    assert found.exact
+    assert found.result.plan is not None
+    assert found.result.plan.makespan == 49.0
+    assert planner.validate(DOMAIN, PROBLEM, found.result.plan, attachments={"drive": roads})

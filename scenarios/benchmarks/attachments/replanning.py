@@ -50,8 +50,8 @@ def discovery(world: World, name: str) -> tuple[int, float, float, float, float]
         after.many(calls)
         return after
 
-    again_s, after = cpu_s(replan)
-    fresh_s, _ = cpu_s(lambda: PathCosts(world).many(calls))
+    again_s, after = cpu_s(replan, repeats=3)
+    fresh_s, _ = cpu_s(lambda: PathCosts(world).many(calls), repeats=3)
     statistics = after.statistics
     touched = statistics.forgotten / (statistics.forgotten + statistics.kept)
     return statistics.fields, statistics.fields / len(places), touched, again_s, fresh_s

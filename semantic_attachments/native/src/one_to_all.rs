@@ -138,8 +138,12 @@ fn grow(shape: Shape, moves: &[u8], source: u32, factors: &[f32]) -> Field {
                 let step = open.trailing_zeros() as usize;
                 open &= open - 1;
                 let to = (from as isize + offsets[step]) as usize;
+                let known = field.distances[to];
+                if known <= distance + STEP_LENGTHS[step] {
+                    continue; // multipliers are at least 1
+                }
                 let reached = distance + STEP_LENGTHS[step] * mean_factor(factors, from, to);
-                if reached < field.distances[to] {
+                if reached < known {
                     field.distances[to] = reached;
                     field.steps[to] = step as u8;
                     buckets.push(reached, to as u32);
