@@ -12,7 +12,7 @@ from planner import _core
 from planner._core import Finding
 from planner.commands.faults import told
 from planner.commands.sarif import as_sarif
-from planner.language_server.providers import installed_providers
+from planner.language_server.providers import providers_for
 from planner.reading import InputError
 
 FAULTY = 1
@@ -51,9 +51,11 @@ def check(
 
 def check_paths(domain: Path, problems: Sequence[Path]) -> list[Finding]:
     """Findings in the domain, then in each problem; raises `InputError` for an unreadable file."""
-    found = _core.check_files(
-        _read(domain), [_read(path) for path in problems], installed_providers(domain)
-    )
+    files = [_read(path) for path in (domain, *problems)]
+    providers = providers_for(files[0][1])
+    if providers.fault is not None:
+        sys.stderr.write(f"{providers.fault}: modules without provider are not looked for\n")
+    found = _core.check_files(files[0], files[1:], providers.names)
     return [one for findings in found for one in findings]
 
 

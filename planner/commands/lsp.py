@@ -11,6 +11,6 @@ def lsp(
     ] = True,
 ) -> None:
     """Serve editors by the Language Server Protocol; docs/editors.md says how to hook it in."""
-    from planner.language_server.server import create_server
+    from planner.language_server.server import serve
 
-    create_server().start_io()
+    serve()

@@ -1,5 +1,5 @@
 """`python -m planner.language_server`: the server over stdio."""
 
-from planner.language_server.server import create_server
+from planner.language_server.server import serve
 
-create_server().start_io()
+serve()

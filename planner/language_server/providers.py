@@ -1,26 +1,34 @@
 """Which attachments are installed, found by entry points: this room imports none of them."""
 
+from dataclasses import dataclass
 from importlib.metadata import entry_points
-from pathlib import Path
 
 GROUP = "marsupial.attachments"
 
 
-def installed_providers(domain: Path) -> list[str] | None:
-    """Names of the installed attachments; None where the domain needs none or none are declared.
+@dataclass(frozen=True)
+class Providers:
+    """Names of the installed attachments, None where they are not known."""
 
-    Loading attachments can take a second, so they are loaded only for domains with modules.
+    names: list[str] | None
+    fault: str | None = None
+    """Why they are not known, in one sentence."""
+
+
+def providers_for(domain_text: bytes) -> Providers:
+    """The attachments that a domain could call.
+
+    Loading attachments can take a second, so they are loaded only for domains with modules. One
+    that cannot be loaded is no reason to stop: then nobody is reported as missing.
     """
-    try:
-        needed = b":modules" in domain.read_bytes().lower()
-    except OSError:
-        return None
-    return provider_names() if needed else None
-
-
-def provider_names() -> list[str] | None:
-    """Names of all installed attachments, None if no package declares any."""
+    if b":modules" not in domain_text.lower():
+        return Providers(None)
     points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
-    if not points:
-        return None
-    return sorted({attachment.name for point in points for attachment in point.load()})
+    names: set[str] = set()
+    for point in points:
+        try:
+            names.update(attachment.name for attachment in point.load())
+        except Exception as error:  # somebody else's code: whatever it raises
+            reason = f"{type(error).__name__}: {error}"
+            return Providers(None, f"attachments {point.value} cannot be loaded ({reason})")
+    return Providers(sorted(names) if points else None)

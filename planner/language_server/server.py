@@ -5,7 +5,9 @@ Source: Language Server Protocol 3.17. Positions are UTF-16 whatever the client 
 """
 
 import asyncio
+import os
 import re
+import sys
 from collections.abc import Generator
 from pathlib import Path
 from typing import Any
@@ -21,7 +23,7 @@ from planner._core import Finding
 from planner.language_server import symbols
 from planner.language_server.documents import Document, Family, family
 from planner.language_server.findings import as_action, as_diagnostic, as_range, findings
-from planner.language_server.providers import provider_names
+from planner.language_server.providers import providers_for
 
 DEBOUNCE_S = 0.15
 """How long typing must pause before a check."""
@@ -102,11 +104,9 @@ class PddlServer(LanguageServer):
             return
         documents = self.family(uri)
         opened = self.opened()
-        domain = documents.domain
-        providers = None
-        if domain is not None and ":modules" in domain.text.lower():
-            providers = await asyncio.to_thread(provider_names)
-        found = await asyncio.to_thread(findings, documents, opened, providers)
+        text = "" if documents.domain is None else documents.domain.text
+        providers = await asyncio.to_thread(providers_for, text.encode(errors="replace"))
+        found = await asyncio.to_thread(findings, documents, opened, providers.names)
         for path, list_of_findings in found.items():
             # Meanwhile the text may have changed: then a newer check is on its way.
             if self.opened().get(path) == opened.get(path):
@@ -145,6 +145,17 @@ def create_server() -> PddlServer:
     _register_navigation(server)
     _register_editing(server)
     return server
+
+
+def serve() -> None:
+    """Speaks over stdin and stdout until the client leaves.
+
+    What else writes to stdout, such as a library that an attachment loads, goes to stderr: a stray
+    line would end the session.
+    """
+    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as out:
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+        create_server().start_io(stdout=out)
 
 
 def _register_documents(server: PddlServer) -> None:

@@ -30,12 +30,17 @@ fn unused(code: Code, what: &str, name: &Name) -> Diagnostic {
 fn declarations(subject: &Subject<'_>, usage: &Usage, found: &mut Diagnostics) {
     let domain = subject.domain;
     let with_problems = !subject.problems.is_empty();
+    // Attachments see the whole state: what has a value may be there for them.
+    let attachments = !domain.modules.is_empty();
+    let seen = |initial: bool| attachments && (initial || !with_problems);
     for (declared, used) in domain.predicates.iter().zip(&usage.predicates) {
         let name = &declared.name;
         let changed = used.added.or(used.deleted);
         match changed {
-            None if !used.read => found.push(unused(Code::UnusedDeclaration, "predicate", name)),
-            Some(effect) if !used.read && with_problems => found.push(
+            None if !used.read && !seen(used.initial) => {
+                found.push(unused(Code::UnusedDeclaration, "predicate", name));
+            }
+            Some(effect) if !used.read && with_problems && !attachments => found.push(
                 Diagnostic::new(
                     Code::EffectNeverRead,
                     effect,
@@ -57,20 +62,26 @@ fn declarations(subject: &Subject<'_>, usage: &Usage, found: &mut Diagnostics) {
     for (declared, used) in domain.functions.iter().zip(&usage.functions) {
         let name = &declared.name;
         match used.written {
-            None if !used.read => found.push(unused(Code::UnusedDeclaration, "function", name)),
-            Some(effect) if !used.read && with_problems && name.text != "total-cost" => found.push(
-                Diagnostic::new(
-                    Code::EffectNeverRead,
-                    effect,
-                    format!(
-                        "`{}` changes, but no condition, duration or metric uses it",
-                        name.text
-                    ),
+            None if !used.read && !seen(used.initial) => {
+                found.push(unused(Code::UnusedDeclaration, "function", name));
+            }
+            Some(effect)
+                if !used.read && with_problems && !attachments && name.text != "total-cost" =>
+            {
+                found.push(
+                    Diagnostic::new(
+                        Code::EffectNeverRead,
+                        effect,
+                        format!(
+                            "`{}` changes, but no condition, duration or metric uses it",
+                            name.text
+                        ),
+                    )
+                    .label("has no consequence")
+                    .note(name.span, "declared here")
+                    .remedy("remove the effect, or use the value"),
                 )
-                .label("has no consequence")
-                .note(name.span, "declared here")
-                .remedy("remove the effect, or use the value"),
-            ),
+            }
             _ => {}
         }
     }
