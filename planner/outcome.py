@@ -77,6 +77,6 @@ OUTCOMES: Final = MappingProxyType(
         Outcome.INTERNAL_ERROR: OutcomeRow(30, 500, "the planner failed; please report it"),
         Outcome.INPUT_ERROR: OutcomeRow(31, 422, "domain, problem, plan or options are wrong"),
         Outcome.UNSUPPORTED: OutcomeRow(34, 422, "the problem uses what this planner does not do"),
-        Outcome.ATTACHMENT_ERROR: OutcomeRow(36, 502, "an attachment is missing or failed"),
+        Outcome.ATTACHMENT_ERROR: OutcomeRow(33, 502, "an attachment is missing or failed"),
     }
 )

@@ -47,7 +47,7 @@ def validate_command(provider: AttachmentProvider | None = None) -> Callable[...
     ) -> None:
         """Check a plan: valid with makespan and metric, or the first thing that is wrong.
 
-        Exit codes: 0 valid, 1 not valid, 31 a file that cannot be read, 36 an attachment failed.
+        Exit codes: 0 valid, 1 not valid, 31 a file that cannot be read, 33 an attachment failed.
         """
         with told():
             parsed = read_problem(read_domain(domain), problem)

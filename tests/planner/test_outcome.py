@@ -31,7 +31,7 @@ def test_solved_means_a_plan() -> None:
 
 def test_faults_have_outcomes() -> None:
     faults = (InternalError, PddlError, AttachmentError, UnsupportedError)
-    assert [fault.outcome.row.exit_code for fault in faults] == [30, 31, 36, 34]
+    assert [fault.outcome.row.exit_code for fault in faults] == [30, 31, 33, 34]
 
 
 def test_the_documentation_has_the_same_table() -> None:

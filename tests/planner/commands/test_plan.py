@@ -95,7 +95,7 @@ def test_a_limit_shows_in_the_exit_code(folder: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("makespan") == 1
     done = marsupial(folder, "plan", "domain.pddl", "problem.pddl", "--seed", "-1")
-    assert done.returncode == 2
+    assert done.returncode == 36
 
 
 def test_no_plan_is_said_and_coded(folder: Path) -> None:
