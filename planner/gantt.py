@@ -72,6 +72,7 @@ def svg(plan: Plan, title: str | None = None) -> str:
     span = max(plan.makespan, 1e-9)
     scale = (WIDTH - LEFT - 20) / span
     body: list[str] = []
+    bars: list[str] = []
     y = TOP
     for lane, steps in lanes(plan).items():
         placed = rows(steps)
@@ -79,7 +80,7 @@ def svg(plan: Plan, title: str | None = None) -> str:
         body.append(f'<rect class="lane" x="0" y="{y}" width="{WIDTH}" height="{height - 2}"/>')
         body.append(f'<text class="name" x="8" y="{y + 21}">{escape(lane)}</text>')
         for row, step in placed:
-            body.append(_bar(step, LEFT + step.start * scale, y + row * LANE_HEIGHT + 5, scale))
+            bars.append(_bar(step, LEFT + step.start * scale, y + row * LANE_HEIGHT + 5, scale))
         y += height
     distance = tick_distance(span)
     for index in range(int(span / distance + 1e-9) + 1):
@@ -95,6 +96,7 @@ def svg(plan: Plan, title: str | None = None) -> str:
             f'<text class="title" x="8" y="18">{escape(heading)}: '
             f"makespan {plan.makespan:g} s</text>",
             *body,
+            *bars,
             "</svg>",
             "",
         )
