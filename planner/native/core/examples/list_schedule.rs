@@ -1,5 +1,5 @@
 //! Optimises one problem in the list-schedule space and prints what it reaches when:
-//! `list_schedule DOMAIN PROBLEM SECONDS SEED [PLAN-FILE]`.
+//! `list_schedule DOMAIN PROBLEM SECONDS|LISTSn SEED [PLAN-FILE]` (`5000n`: that many lists).
 
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
@@ -49,9 +49,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let cancel = AtomicBool::new(false);
     let limits = Limits {
-        deadline: Some(began + Duration::from_secs_f64(seconds.parse()?)),
+        deadline: seconds
+            .parse()
+            .ok()
+            .map(|seconds| began + Duration::from_secs_f64(seconds)),
         cancel: &cancel,
-        nodes: None,
+        nodes: seconds.strip_suffix('n').map(str::parse).transpose()?,
     };
     let mut best = None;
     let ending = optimiser.run(None, &limits, &mut |schedule| {

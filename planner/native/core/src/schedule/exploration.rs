@@ -12,11 +12,15 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashMap;
 
 use crate::schedule::model::{Model, NONE};
-use crate::schedule::propositions::Propositions;
+use crate::schedule::propositions::{Propositions, Rule};
 use crate::schedule::state::State;
 
 /// Largest number of distances kept.
 const DISTANCE_MEMORY: usize = 8_000_000;
+
+/// Needs looked at when distances are computed; farther propositions count as being as far as the
+/// last one reached.
+const DISTANCE_EFFORT: usize = 100_000;
 
 /// How labels are computed.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +57,13 @@ pub struct Question<'a> {
     pub restriction: Restriction,
 }
 
+/// Lower bounds on the time from a proposition, or from the start of a rule, to a target [s].
+#[derive(Clone, Debug)]
+struct Distances {
+    propositions: Vec<f32>,
+    rules: Vec<f32>,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Label {
     time: f32,
@@ -68,7 +79,7 @@ pub struct Exploration {
     labels: Vec<Label>,
     generation: u32,
     queue: BinaryHeap<Reverse<u64>>,
-    distances: FxHashMap<u32, Vec<f32>>,
+    distances: FxHashMap<u32, Distances>,
     distance_sum: usize,
     visited: Vec<u32>,
     /// Whether rules cost what they last.
@@ -119,7 +130,8 @@ impl Exploration {
             return;
         }
         let count = propositions.count();
-        if self.distance_sum + count > DISTANCE_MEMORY {
+        let size = count + propositions.rules.len();
+        if self.distance_sum + size > DISTANCE_MEMORY {
             self.distances.clear();
             self.distance_sum = 0;
         }
@@ -127,11 +139,18 @@ impl Exploration {
         distance[target as usize] = 0.0;
         self.queue.clear();
         self.queue.push(key(0.0, target));
+        let mut effort = 0;
         while let Some(Reverse(entry)) = self.queue.pop() {
             let proposition = entry as u32;
             let reached = f32::from_bits((entry >> 32) as u32);
             if reached > distance[proposition as usize] {
                 continue;
+            }
+            if effort > DISTANCE_EFFORT {
+                for far in &mut distance {
+                    *far = far.min(reached);
+                }
+                break;
             }
             for rule in propositions.adding.row(proposition) {
                 let rule = &propositions.rules[*rule as usize];
@@ -140,6 +159,7 @@ impl Exploration {
                     .iter()
                     .any(|add| add.proposition == proposition && add.at_end);
                 let through = reached + if at_end { rule.duration } else { 0.0 };
+                effort += propositions.needs(rule).len();
                 for need in propositions.needs(rule) {
                     let through = if need.at_end { reached } else { through };
                     if through < distance[need.proposition as usize] {
@@ -149,8 +169,23 @@ impl Exploration {
                 }
             }
         }
-        self.distance_sum += count;
-        self.distances.insert(target, distance);
+        let through = |rule: &Rule| {
+            let late = propositions.needs(rule).iter().any(|need| need.at_end);
+            let adds = propositions.adds(rule).iter().map(|add| {
+                let lasts = if add.at_end && !late { rule.duration } else { 0.0 };
+                lasts + distance[add.proposition as usize]
+            });
+            adds.fold(f32::INFINITY, f32::min)
+        };
+        let rules = propositions.rules.iter().map(through).collect();
+        self.distance_sum += size;
+        self.distances.insert(
+            target,
+            Distances {
+                propositions: distance,
+                rules,
+            },
+        );
     }
 
     /// Finds a relaxed plan for a target that does not hold: operators with the propositions they
@@ -170,7 +205,7 @@ impl Exploration {
         label
     }
 
-    fn explore(&mut self, question: &Question<'_>, distance: &[f32]) -> f32 {
+    fn explore(&mut self, question: &Question<'_>, distance: &Distances) -> f32 {
         let Question {
             model,
             propositions,
@@ -193,7 +228,8 @@ impl Exploration {
         }
         for index in 0..propositions.extra.len() as u32 {
             let proposition = propositions.fact_count + index;
-            if distance[proposition as usize].is_finite() && propositions.holds(state, proposition)
+            if distance.propositions[proposition as usize].is_finite()
+                && propositions.holds(state, proposition)
             {
                 self.seed(question, proposition, distance);
             }
@@ -209,6 +245,7 @@ impl Exploration {
         for rule in &propositions.free {
             self.fire(question, *rule, distance, &mut bound);
         }
+        let weight = self.weight(labelling);
         while let Some(Reverse(entry)) = self.queue.pop() {
             let proposition = entry as u32;
             let label = &mut self.labels[proposition as usize];
@@ -220,15 +257,19 @@ impl Exploration {
             if proposition == target {
                 return label.time + labelling.effort * label.cost;
             }
+            let value = label.time + labelling.effort * label.cost;
             for rule in propositions.needing.row(proposition) {
-                self.fire(question, *rule, distance, &mut bound);
+                let ahead = distance.rules[*rule as usize];
+                if ahead < f32::INFINITY && value + weight * ahead < bound {
+                    self.fire(question, *rule, distance, &mut bound);
+                }
             }
         }
         f32::INFINITY
     }
 
-    fn seed(&mut self, question: &Question<'_>, proposition: u32, distance: &[f32]) {
-        let ahead = distance[proposition as usize];
+    fn seed(&mut self, question: &Question<'_>, proposition: u32, distance: &Distances) {
+        let ahead = distance.propositions[proposition as usize];
         if !ahead.is_finite() {
             return;
         }
@@ -250,7 +291,7 @@ impl Exploration {
         &mut self,
         question: &Question<'_>,
         rule_index: u32,
-        distance: &[f32],
+        distance: &Distances,
         bound: &mut f32,
     ) {
         let Question {
@@ -295,7 +336,7 @@ impl Exploration {
         let cost = cost + rule.cost;
         let weight = self.weight(labelling);
         for add in propositions.adds(rule) {
-            let ahead = distance[add.proposition as usize];
+            let ahead = distance.propositions[add.proposition as usize];
             if !ahead.is_finite() {
                 continue;
             }
