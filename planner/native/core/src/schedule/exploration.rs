@@ -172,7 +172,11 @@ impl Exploration {
         let through = |rule: &Rule| {
             let late = propositions.needs(rule).iter().any(|need| need.at_end);
             let adds = propositions.adds(rule).iter().map(|add| {
-                let lasts = if add.at_end && !late { rule.duration } else { 0.0 };
+                let lasts = if add.at_end && !late {
+                    rule.duration
+                } else {
+                    0.0
+                };
                 lasts + distance[add.proposition as usize]
             });
             adds.fold(f32::INFINITY, f32::min)

@@ -99,6 +99,9 @@ pub struct Optimiser<'t> {
     best_list: Vec<Element>,
     /// Lists tried.
     nodes: u64,
+    /// Cycles of annealing so far, and the length of the next one in lists.
+    cycle: u32,
+    cycle_length: u64,
 }
 
 impl<'t> Optimiser<'t> {
@@ -129,6 +132,8 @@ impl<'t> Optimiser<'t> {
             best: None,
             best_list: Vec::new(),
             nodes: 0,
+            cycle: 0,
+            cycle_length: FIRST_CYCLE,
         })
     }
 
@@ -162,6 +167,7 @@ impl<'t> Optimiser<'t> {
             return Ending::Unsolvable;
         }
         let nodes_before = self.nodes;
+        let begun = Instant::now();
         let done = |nodes: u64| {
             limits.reached()
                 || limits
@@ -179,21 +185,39 @@ impl<'t> Optimiser<'t> {
                 Ending::Limit
             };
         }
-        let mut length = FIRST_CYCLE;
-        let mut cycle = 0;
         while !done(self.nodes) && !self.proved() {
-            let remaining = limits
-                .nodes
-                .map_or(u64::MAX, |limit| limit - (self.nodes - nodes_before));
-            self.anneal(cycle, length.min(remaining), limits, on_plan);
-            cycle += 1;
-            length += length / 2;
+            let remaining = match limits.nodes {
+                Some(limit) => limit - (self.nodes - nodes_before),
+                None => self.affordable(limits, begun, nodes_before),
+            };
+            // A short remainder joins the last cycle: a cycle that is cut off ends hot.
+            let length = if remaining < 2 * self.cycle_length {
+                remaining
+            } else {
+                self.cycle_length
+            };
+            self.anneal(self.cycle, length, limits, on_plan);
+            self.cycle += 1;
+            self.cycle_length += self.cycle_length / 2;
         }
         if self.proved() {
             Ending::Optimal
         } else {
             Ending::Limit
         }
+    }
+
+    /// How many lists can be tried until the deadline, judged by the rate so far.
+    fn affordable(&self, limits: &Limits<'_>, begun: Instant, nodes_before: u64) -> u64 {
+        let Some(deadline) = limits.deadline else {
+            return u64::MAX;
+        };
+        let left_s = deadline
+            .saturating_duration_since(Instant::now())
+            .as_secs_f64();
+        let spent_s = begun.elapsed().as_secs_f64().max(1e-6);
+        let rate = (self.nodes - nodes_before) as f64 / spent_s;
+        ((left_s * rate) as u64).max(50)
     }
 
     fn proved(&self) -> bool {
