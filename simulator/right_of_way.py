@@ -151,7 +151,7 @@ class RightOfWay:
 
     def _relieve(self, robot: Robot, before: _Before, time_s: float) -> None:
         """Back to a plain route once that meets nobody any more."""
-        if not robot.timed or time_s - robot.timed[0][0] < 1.0:
+        if not robot.timed or (time_s - robot.timed[0][0]) % 2.0 < 1.5:
             return
         if not robot.goals:
             if time_s > robot.timed[-1][0]:
