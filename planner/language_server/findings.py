@@ -64,6 +64,25 @@ def as_diagnostic(one: Finding) -> types.Diagnostic:
     )
 
 
+def missing_domain(documents: Family) -> list[types.Diagnostic]:
+    """Says of a problem that its domain was not found, so that silence is not taken for praise."""
+    definition = documents.problems[0].definition if documents.problems else None
+    if documents.domain is not None or definition is None:
+        return []
+    message = (
+        f"domain `{definition[2] or '?'}` was not found beside this problem: "
+        "only parentheses are checked"
+    )
+    return [
+        types.Diagnostic(
+            range=as_range((0, 0, 0, 1)),
+            message=message,
+            severity=types.DiagnosticSeverity.Information,
+            source="marsupial",
+        )
+    ]
+
+
 def as_action(one: Finding, uri: str) -> types.CodeAction | None:
     """The fix of a finding, if it has one."""
     if one.fix is None:

@@ -8,7 +8,7 @@ import asyncio
 import os
 import re
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,13 @@ from planner import _core
 from planner._core import Finding
 from planner.language_server import symbols
 from planner.language_server.documents import Document, Family, family
-from planner.language_server.findings import as_action, as_diagnostic, as_range, findings
+from planner.language_server.findings import (
+    as_action,
+    as_diagnostic,
+    as_range,
+    findings,
+    missing_domain,
+)
 from planner.language_server.providers import providers_for
 
 DEBOUNCE_S = 0.15
@@ -110,14 +116,16 @@ class PddlServer(LanguageServer):
         for path, list_of_findings in found.items():
             # Meanwhile the text may have changed: then a newer check is on its way.
             if self.opened().get(path) == opened.get(path):
-                self.publish(path, list_of_findings)
+                self.publish(path, list_of_findings, missing_domain(documents))
 
-    def publish(self, path: Path, found: list[Finding]) -> None:
+    def publish(
+        self, path: Path, found: list[Finding], more: Sequence[types.Diagnostic] = ()
+    ) -> None:
         """Shows findings in a document."""
         self.published[path] = found
         self.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(
-                uri=self.uri(path), diagnostics=[as_diagnostic(one) for one in found]
+                uri=self.uri(path), diagnostics=[*map(as_diagnostic, found), *more]
             )
         )
 

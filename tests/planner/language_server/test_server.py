@@ -235,3 +235,12 @@ async def test_completion_symbols_and_formatting(session: Session) -> None:
     )
     assert edits is not None
     assert "\n  (:types robot place - object)\n" in edited(ugly, list(edits))
+
+
+@pytest.mark.asyncio
+async def test_a_problem_without_its_domain_says_so(session: Session) -> None:
+    (found,) = await session.opened("problem.pddl", PROBLEM)
+    assert "domain `d` was not found" in found.message
+    (session.folder / "domain.pddl").write_text(DOMAIN)
+    found_then = await session.changed("problem.pddl", PROBLEM + "\n")
+    assert [one.code for one in found_then] == ["PDDL023"]
