@@ -1,6 +1,6 @@
 //! Any bytes are read, checked, formatted and rendered without a crash; formatting is idempotent.
 //!
-//! `cargo +nightly fuzz run reader -- -max_total_time=600 -dict=pddl.dict` in `planner/native/fuzz`.
+//! `cargo +nightly fuzz run --fuzz-dir planner/native/fuzz reader -- -max_total_time=600 -dict=pddl.dict`
 //! A line `;;; problem` parts a domain from a problem.
 
 #![no_main]
