@@ -77,6 +77,28 @@ class Floor:
         robots: list[_Disc],
     ) -> list[tuple[float, float, float]] | None: ...
 
+class OccupancyMap:
+    """Log odds of occupation on a grid, row 0 at the bottom."""
+
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        resolution_m: float,
+        origin_m: _Point,
+        hit: float,
+        miss: float,
+        limit: float,
+    ) -> None: ...
+    def insert(
+        self,
+        x: float,
+        y: float,
+        heading_rad: float,
+        ranges_m: NDArray[np.float32],
+        range_m: float,
+    ) -> None: ...
+    def log_odds(self) -> NDArray[np.float32]: ...
+
 class Octree:
     def __init__(self, resolution_m: float, constants: Constants) -> None: ...
     @staticmethod

@@ -3,6 +3,7 @@
 pub mod clearance;
 pub mod floor;
 pub mod lattice;
+pub mod occupancy;
 pub mod octree;
 pub mod raycast;
 pub mod timed_route;

@@ -1,6 +1,7 @@
 //! Conversions between NumPy arrays and the kernels; nothing else lives here.
 
 mod floor;
+mod occupancy;
 mod octree;
 
 use pyo3::prelude::*;
@@ -9,6 +10,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<floor::PyFloor>()?;
+    module.add_class::<occupancy::PyOccupancyMap>()?;
     module.add_class::<octree::PyOctree>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }
