@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from simulator.docking import may_dock, meeting_goals, place_beside
 from simulator.fleet_client import Command
 from simulator.fleet_scenario import FleetScenario, Point
-from simulator.navigation import Navigation
+from simulator.navigation import REACH_M, Navigation
 from simulator.robot import Robot
 from simulator.world import World
 
 ARRIVED_M = 0.25
 """a robot this close to a place is there"""
+_HALTED_S = 2.0
+"""a robot that has wanted to move for so long and could not will not get closer"""
 _PATIENCE_S = 30.0
 """how long a robot that cannot move goes on trying before it gives a command up"""
 
@@ -165,7 +167,11 @@ class Execution:
         blockade = self.navigation.known.get(command.location or "")
         if blockade is not None:
             return self.navigation.reaches(robot, blockade)
-        return any(math.dist(goal, robot.position) <= ARRIVED_M for goal in robot.goals)
+        # A meeting point may lie so close to terrain the body must not touch that it cannot stand
+        # on it; whoever cannot get closer and reaches it from there has arrived.
+        halts = command.kind != "explore" and robot.stalled_s > _HALTED_S
+        near_m = robot.kind.radius_m + REACH_M if halts else ARRIVED_M
+        return any(math.dist(goal, robot.position) <= near_m for goal in robot.goals)
 
     def _meet(self, robot: Robot, command: Command, time_s: float) -> bool:
         """Docking and undocking need both robots; True once it is begun, over or given up."""
