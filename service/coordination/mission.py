@@ -317,7 +317,6 @@ class Mission:
                     blockade.clear_duration_s,
                     seen_at_s=report.time_s,
                 )
-                self.plan_disturbed = True
         for finished in report.finished:
             self._finish(finished.robot, finished.command, report.time_s)
         for failed in report.failed:

@@ -62,6 +62,13 @@ def remainder(
     waiting = _waiting(left)
     for command in done:
         left = _without(left, command)
+    known = formulation.names(state)
+    left = [
+        (step, orders)
+        for step, orders in left
+        # A blockade that was cleared is no place to go to any more: what comes next starts at once.
+        if not all(o.kind is OrderKind.MOVE and o.location not in known for o in orders)
+    ]
     left = _begun_at_once(left, waiting)
     return Remainder(planner.Plan(tuple(step for step, _ in left)), names, tuple(left))
 

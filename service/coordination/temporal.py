@@ -13,7 +13,7 @@ from math import isfinite
 
 import planner
 from domains import catalogue
-from domains.formulation import Assignment, Formulation, OrderKind
+from domains.formulation import Assignment, Formulation, Order, OrderKind
 from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
@@ -239,8 +239,19 @@ class Planning:
                     return float("inf")
                 lag_s = max(lag_s, travel.times_s([robot], [location])[0][0] - step.end)
             else:
-                lag_s = max(lag_s, -step.start)
+                lag_s = max(lag_s, -step.start, self._detour_s(travel, left, step, orders[0]))
         return lag_s
+
+    @staticmethod
+    def _detour_s(travel: Travel, left: Remainder, step: planner.Step, order: Order) -> float:
+        """By how much a later movement takes longer than planned, because of a new blockade [s]."""
+        if order.kind not in (OrderKind.MOVE, OrderKind.EXPLORE):
+            return 0.0
+        start = left.names.id(step.arguments[1])
+        if start not in travel.names or order.location not in travel.names:
+            return 0.0  # it starts where somebody has been: its robot is there, or on its way
+        (time_s,) = travel.times_between_s(order.robot, [start], order.location)
+        return time_s - (step.duration or 0.0)
 
     # What is told
 

@@ -1,5 +1,7 @@
 """What is left of a plan: done steps, late steps, robots that are early."""
 
+from dataclasses import replace
+
 from domains import catalogue
 from domains.formulation import OrderKind
 from domains.mission_state import BlockadeState, MissionState, RobotState, Target
@@ -67,3 +69,9 @@ def test_what_is_done_is_not_left() -> None:
     left = remainder(DISASTER, state(31.0), PLAN, [done("c", "clear", "b")])
     assert [step.action for step in left.plan] == ["move", "explore-from-blockade"]
     assert left.ends_s() == {("e", "t"): 3.0}
+
+
+def test_a_movement_to_a_blockade_that_is_cleared_is_left_out() -> None:
+    cleared = replace(state(31.0), blockades=())
+    left = remainder(DISASTER, cleared, PLAN, [done("c", "clear", "b")])
+    assert [step.action for step in left.plan] == ["explore-from-blockade"]
