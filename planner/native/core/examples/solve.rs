@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = SolveOptions {
         timeout: Some(Duration::from_secs_f64(seconds)),
         seed: std::env::var("SEED").map_or(0, |seed| seed.parse().unwrap_or(0)),
+        threads: std::env::var("THREADS").map_or(1, |count| count.parse().unwrap_or(1)),
         first_plan_only: std::env::var("FIRST").is_ok(),
         ..SolveOptions::default()
     };

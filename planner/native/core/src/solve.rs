@@ -21,7 +21,7 @@ pub struct SolveOptions<'a> {
     pub seed: u64,
     /// Threads that search; with one, a seed and a node limit the same input gives the same plans.
     pub threads: usize,
-    /// Expansions and plan evaluations after which to stop.
+    /// Expansions and lists tried, together, after which to stop.
     pub node_limit: Option<u64>,
     /// Bytes that searching may hold.
     pub memory_limit: usize,

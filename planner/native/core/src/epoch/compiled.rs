@@ -366,7 +366,15 @@ fn certain_changes(effects: &[GroundEffect]) -> [Vec<FactId>; 2] {
     let mut changes = [Vec::new(), Vec::new()];
     for effect in effects.iter().filter(|effect| effect.condition.is_none()) {
         match effect.change {
-            Change::Delete(fact) => changes[0].push(fact),
+            Change::Delete(fact) => {
+                // What is added by the same happening ends up true.
+                if !effects
+                    .iter()
+                    .any(|other| other.change == Change::Add(fact))
+                {
+                    changes[0].push(fact);
+                }
+            }
             Change::Add(fact) => changes[1].push(fact),
             Change::Assign(..) | Change::Call(_) => {}
         }

@@ -11,7 +11,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 use crate::heuristic::{Estimate, Heuristic};
 use crate::plan::Plan;
-use crate::task::{Duration, OperatorId};
+use crate::task::{Duration, OperatorId, Task};
 
 use super::compiled::Compiled;
 use super::open_list::{Entry, OpenList};
@@ -136,8 +136,13 @@ impl<'a> Search<'a> {
     }
 
     /// Searches until a plan below the bound is found (given to `found`), `expansions` more states
-    /// are expanded, or the space is exhausted.
-    pub fn run(&mut self, expansions: u64, found: &mut dyn FnMut(Plan)) -> Status {
+    /// are expanded, `stop` says so, or the space is exhausted.
+    pub fn run(
+        &mut self,
+        expansions: u64,
+        stop: &mut dyn FnMut() -> bool,
+        found: &mut dyn FnMut(Found),
+    ) -> Status {
         if !self.started {
             self.started = true;
             self.state = State::initial(self.compiled);
@@ -150,6 +155,9 @@ impl<'a> Search<'a> {
         }
         let end = self.statistics.expansions + expansions;
         while self.statistics.expansions < end {
+            if self.statistics.generated.is_multiple_of(16) && stop() {
+                return Status::Interrupted;
+            }
             let Some((parent, edge)) = self.next() else {
                 return Status::Exhausted;
             };
@@ -213,11 +221,13 @@ impl<'a> Search<'a> {
         &mut self,
         node: NodeId,
         simultaneous: Option<OperatorId>,
-        found: &mut dyn FnMut(Plan),
+        found: &mut dyn FnMut(Found),
     ) -> bool {
         if self.transitions.is_goal(&self.state) {
-            let plan = self.plan(node);
-            self.bound = self.bound.min(plan.makespan());
+            let plan = replay(&self.transitions, &self.registry.path(node));
+            if self.compiled.task.metric.is_none() {
+                self.bound = self.bound.min(plan.cost);
+            }
             found(plan);
             return true;
         }
@@ -293,18 +303,38 @@ impl<'a> Search<'a> {
         let spent = self.state.last_end().max(self.state.time) / self.parameters.time_weight;
         estimate.saturating_add(spent.min(1e6) as u32)
     }
+}
 
-    /// The plan that leads to a node, by replaying its edges.
-    fn plan(&self, node: NodeId) -> Plan {
-        replay(&self.transitions, &self.registry.path(node))
+/// A plan as operators with their starts and durations [s].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// By start.
+    pub steps: Vec<(OperatorId, f64, Option<f64>)>,
+    /// The makespan [s], or the value of the metric.
+    pub cost: f64,
+}
+
+impl Found {
+    /// The plan with names.
+    #[must_use]
+    pub fn plan(&self, task: &Task) -> Plan {
+        Plan {
+            steps: self
+                .steps
+                .iter()
+                .map(|&(operator, start, duration)| task.step(operator, start, duration))
+                .collect(),
+        }
     }
 }
 
 /// Runs edges from the initial state and writes down the steps.
 #[must_use]
-pub fn replay(transitions: &Transitions<'_>, edges: &[Edge]) -> Plan {
-    let mut state = State::initial(transitions.compiled);
+pub fn replay(transitions: &Transitions<'_>, edges: &[Edge]) -> Found {
+    let compiled = transitions.compiled;
+    let mut state = State::initial(compiled);
     let mut steps = Vec::new();
+    let mut makespan: f64 = 0.0;
     for edge in edges {
         match edge.operator() {
             None => {
@@ -313,18 +343,17 @@ pub fn replay(transitions: &Transitions<'_>, edges: &[Edge]) -> Plan {
             Some((operator, longest)) => {
                 let duration = transitions.duration(operator, &state, longest);
                 transitions.start(&mut state, operator, longest);
-                let durative = transitions.compiled.operator(operator).duration.is_some();
-                let step = transitions.compiled.task.step(
-                    operator,
-                    state.time,
-                    durative.then_some(duration),
-                );
-                steps.push(step);
+                let durative = compiled.operator(operator).duration.is_some();
+                steps.push((operator, state.time, durative.then_some(duration)));
+                makespan = makespan.max(state.time + duration);
             }
         }
     }
-    steps.sort_by(|left, right| left.start.total_cmp(&right.start));
-    Plan { steps }
+    steps.sort_by(|left, right| left.1.total_cmp(&right.1));
+    Found {
+        cost: transitions.metric(&state, makespan).unwrap_or(makespan),
+        steps,
+    }
 }
 
 /// Whether starting `next` just after `last` only repeats the other order: both could start at the

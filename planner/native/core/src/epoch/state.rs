@@ -181,6 +181,24 @@ impl<'a> Transitions<'a> {
         self.holds(&self.compiled.goal, state, 0.0, None)
     }
 
+    /// The value of the metric in a final state; `None` if the makespan is minimised.
+    #[must_use]
+    pub fn metric(&self, state: &State, makespan: f64) -> Option<f64> {
+        let metric = self.compiled.task.metric.as_ref()?;
+        let mut last = state.clone();
+        while (last.next_timed as usize) < self.compiled.task.timed.len() && self.advance(&mut last)
+        {
+        }
+        let snapshot = last.snapshot();
+        Some(evaluate(
+            &metric.expression,
+            &last.values,
+            f64::NAN,
+            makespan,
+            &mut |call| self.calls.value(call, snapshot, &|| "the metric".into()),
+        ))
+    }
+
     /// The duration that an operator gets when started in a state; `longest` asks for the upper
     /// bound. NaN if it has none.
     #[must_use]
@@ -208,8 +226,47 @@ impl<'a> Transitions<'a> {
     /// Starts an operator in place, now or as few epsilons later as interference allows; false,
     /// leaving the state unspecified, if it cannot start before the next event.
     pub fn start(&self, state: &mut State, id: OperatorId, longest: bool) -> bool {
+        self.start_lasting(state, id, self.duration(id, state, longest))
+    }
+
+    /// Runs steps (operator, start, duration) at just the times given, sorted by start; the state in
+    /// which all have ended, or `None` if they are no valid plan up to there.
+    #[must_use]
+    pub fn execute(&self, steps: &[(OperatorId, f64, Option<f64>)]) -> Option<State> {
+        let mut state = State::initial(self.compiled);
+        for &(operator, start, duration) in steps {
+            while state
+                .next_event(self.compiled)
+                .is_some_and(|next| next <= start)
+            {
+                if !self.advance(&mut state) {
+                    return None;
+                }
+            }
+            let [least, most] =
+                [false, true].map(|longest| self.duration(operator, &state, longest));
+            let duration = duration.unwrap_or(0.0);
+            if duration < least - 1e-9 || duration > most + 1e-9 {
+                return None;
+            }
+            self.move_to(&mut state, start);
+            if !self.start_lasting(&mut state, operator, duration)
+                || (state.time - start).abs() > EPSILON * 1e-3
+            {
+                return None;
+            }
+        }
+        while !state.running.is_empty() {
+            if !self.advance(&mut state) {
+                return None;
+            }
+        }
+        Some(state)
+    }
+
+    /// Starts an operator with a given duration.
+    fn start_lasting(&self, state: &mut State, id: OperatorId, duration: f64) -> bool {
         let operator = self.compiled.operator(id);
-        let duration = self.duration(id, state, longest);
         if !duration.is_finite() || duration < 0.0 {
             return false;
         }

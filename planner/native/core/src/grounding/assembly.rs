@@ -378,22 +378,10 @@ impl Assembly<'_, '_> {
         effects: Vec<RawEffect>,
         instance: &Instance,
     ) -> Result<(Vec<GroundEffect>, Vec<GroundEffect>), GroundingError> {
-        let added: FxHashSet<(bool, AtomId)> = effects
-            .iter()
-            .filter_map(|effect| match (&effect.condition, &effect.change) {
-                (None, RawChange::Add(atom)) => Some((effect.when == When::End, *atom)),
-                _ => None,
-            })
-            .collect();
         let mut start = Vec::new();
         let mut end = Vec::new();
         for effect in effects {
             let at_end = effect.when == When::End;
-            if let RawChange::Delete(atom) = effect.change
-                && added.contains(&(at_end, atom))
-            {
-                continue;
-            }
             let Some(change) = self.change(effect.change) else {
                 continue;
             };

@@ -312,6 +312,8 @@ impl<'a> Builder<'a> {
                         self.effect(&effect.change, f64::INFINITY, &mut adds, &mut numeric);
                     }
                 }
+                let first = self.first_comparison;
+                adds.extend(numeric.iter().map(|support| first + support.comparison));
                 adds
             };
             let delay = least_duration(operator);

@@ -104,6 +104,8 @@ impl Changes {
                     _ => None,
                 })
                 .filter(|fact| needed.iter().any(|list| list.contains(fact)))
+                // What is deleted and added at once stays true.
+                .filter(|fact| !effects.iter().any(|e| e.change == Change::Add(*fact)))
                 .collect::<Vec<_>>()
         };
         let added = |effects: &[GroundEffect], given: &[FactId]| {

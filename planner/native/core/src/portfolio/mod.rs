@@ -1,4 +1,13 @@
-//! Runs the search spaces on one task, sharing the best plan and the lower bound.
+//! Runs both search spaces on one task as one anytime portfolio that shares plan and bound.
+//!
+//! The list-schedule search goes first, because it finds the better plans; the decision-epoch search
+//! goes first where actions may have to start inside others, takes over where the list space cannot
+//! express the task, and is the one that proves by exhaustion.
+
+mod alternation;
+mod incumbent;
+mod threads;
+mod warm_start;
 
 use std::time::Instant;
 
@@ -7,7 +16,7 @@ use crate::epoch::calls::Calls;
 use crate::epoch::compiled::Compiled;
 use crate::epoch::completeness::{Completeness, analyse};
 use crate::epoch::registry::Dominance;
-use crate::epoch::search::{Parameters, Search, Status};
+use crate::epoch::search::{Found, Parameters, Search};
 use crate::epoch::state::{State, Transitions};
 use crate::epoch::successors::Successors;
 use crate::heuristic::critical_path::makespan_bound;
@@ -15,53 +24,120 @@ use crate::heuristic::relaxed::RelaxedTask;
 use crate::heuristic::relaxed_plan::RelaxedPlan;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
-use crate::solve::{FoundPlan, SolveError, SolveOptions, SolveReport};
+use crate::schedule::{Optimiser, Schedule};
+use crate::solve::{SolveError, SolveOptions, SolveReport};
 use crate::task::Task;
 
-/// Plans this close to the lower bound are optimal apart from epsilons, one for each step.
-fn epsilons(plan: &Plan) -> f64 {
-    EPSILON * (plan.steps.len() + 1) as f64
-}
+use incumbent::Incumbent;
 
-/// The plans found so far.
-pub struct Incumbent<'a> {
-    begun: Instant,
+/// Times that differ by less count as equal when states are compared: an order of epsilons is no
+/// reason to keep two states.
+const TOLERANCE: f64 = 20.0 * EPSILON;
+
+/// What the searches have in common.
+struct Setting<'a> {
     task: &'a Task,
-    report: &'a mut SolveReport,
-    improved: &'a mut dyn FnMut(&Plan),
+    attachments: &'a dyn Attachments,
+    options: &'a SolveOptions<'a>,
+    begun: Instant,
+    compiled: &'a Compiled<'a>,
+    relaxed: &'a RelaxedTask,
+    successors: &'a Successors,
+    completeness: Completeness,
 }
 
-impl Incumbent<'_> {
-    /// The cost to beat.
-    #[must_use]
-    pub fn cost(&self) -> f64 {
-        self.report.plans.last().map_or(f64::INFINITY, |p| p.cost)
+impl<'a> Setting<'a> {
+    fn calls(&self) -> Calls<'a> {
+        Calls::new(self.task, self.attachments)
     }
 
-    /// Takes a plan if it is better than all before.
-    pub fn offer(&mut self, plan: Plan) -> bool {
-        let cost = plan.makespan();
-        if self.task.metric.is_none() && cost >= self.cost() - 1e-9 {
-            return false;
+    fn transitions<'s>(&'s self, calls: &'s Calls<'a>) -> Transitions<'s> {
+        Transitions {
+            compiled: self.compiled,
+            calls,
         }
-        (self.improved)(&plan);
-        self.report.plans.push(FoundPlan {
-            plan,
-            cost,
-            wall_s: self.begun.elapsed().as_secs_f64(),
-        });
-        true
     }
 
-    /// Whether the best plan meets the lower bound.
-    #[must_use]
-    pub fn is_optimal(&self) -> bool {
-        self.task.metric.is_none()
-            && self
-                .report
-                .plans
-                .last()
-                .is_some_and(|best| best.cost <= self.report.lower_bound + epsilons(&best.plan))
+    fn search<'s>(&'s self, calls: &'s Calls<'a>, seed: u64) -> Search<'s> {
+        let transitions = self.transitions(calls);
+        let parameters = Parameters {
+            time_weight: 0.0,
+            seed,
+            dominance: self.dominance(),
+            tolerance: TOLERANCE,
+            memory: self.options.memory_limit,
+        };
+        let heuristic = Box::new(RelaxedPlan::new(self.compiled, self.relaxed));
+        Search::new(transitions, self.successors, heuristic, parameters)
+    }
+
+    fn dominance(&self) -> Dominance {
+        if self.completeness.earlier_is_better {
+            Dominance::Earlier
+        } else if self.task.timed.is_empty() {
+            Dominance::Shifted
+        } else {
+            Dominance::Same
+        }
+    }
+
+    fn deadline(&self) -> Option<Instant> {
+        self.options.timeout.map(|timeout| self.begun + timeout)
+    }
+
+    fn interrupted(&self) -> Option<Outcome> {
+        self.options.interrupted(self.begun)
+    }
+
+    fn tell(&self, states: u64, lower_bound: f64) {
+        if let Some(progress) = self.options.progress {
+            progress.tell(states, lower_bound);
+        }
+    }
+
+    /// Whether there is nothing more to do, and how it ended.
+    fn over(&self, incumbent: &Incumbent<'_>, expansions: u64) -> Option<Outcome> {
+        self.tell(
+            expansions + incumbent.report.schedules,
+            incumbent.report.lower_bound,
+        );
+        if incumbent.is_optimal() {
+            return Some(Outcome::SolvedOptimally);
+        }
+        if self.options.first_plan_only && incumbent.exists() {
+            return Some(Outcome::Solved);
+        }
+        let nodes = expansions + incumbent.report.schedules;
+        if self.options.node_limit.is_some_and(|limit| nodes >= limit) {
+            return Some(Outcome::TimedOut);
+        }
+        self.interrupted()
+    }
+
+    fn exhausted(&self, incumbent: &Incumbent<'_>, search: &Search<'_>) -> Outcome {
+        self.exhausted_with(incumbent, search.chose_duration)
+    }
+
+    /// What an exhausted decision-epoch space proves.
+    fn exhausted_with(&self, incumbent: &Incumbent<'_>, chose_duration: bool) -> Outcome {
+        match (incumbent.exists(), chose_duration) {
+            (true, false) if self.completeness.keeps_optima => Outcome::SolvedOptimally,
+            (true, _) => Outcome::Solved,
+            (false, false) if self.completeness.finds_plans => Outcome::ProvenUnsolvable,
+            (false, _) => Outcome::Exhausted,
+        }
+    }
+}
+
+/// A list schedule as the portfolio's currency.
+fn from_schedule(schedule: &Schedule) -> Found {
+    Found {
+        steps: schedule
+            .operators
+            .iter()
+            .map(|entry| (entry.operator, entry.start, entry.duration))
+            .collect(),
+        cost: schedule.cost,
     }
 }
 
@@ -80,11 +156,15 @@ pub fn run(
     let compiled = Compiled::new(task);
     let relaxed = RelaxedTask::new(task);
     let successors = Successors::new(&compiled);
-    let completeness = analyse(task);
-    let calls = Calls::new(task, attachments);
-    let transitions = Transitions {
+    let setting = Setting {
+        task,
+        attachments,
+        options,
+        begun,
         compiled: &compiled,
-        calls: &calls,
+        relaxed: &relaxed,
+        successors: &successors,
+        completeness: analyse(task),
     };
     let bound = makespan_bound(&compiled, &relaxed);
     if bound.is_infinite() {
@@ -94,97 +174,33 @@ pub fn run(
     if task.metric.is_none() {
         report.lower_bound = bound;
     }
-    let mut incumbent = Incumbent {
-        begun,
-        task,
-        report,
-        improved,
-    };
-    if transitions.is_goal(&State::initial(&compiled)) {
-        incumbent.offer(Plan::default());
-        incumbent.report.outcome = Outcome::SolvedOptimally;
+    let mut incumbent = Incumbent::new(task, begun, report, improved);
+    if is_solved_at_once(&setting) {
+        incumbent.offer(&Found {
+            steps: Vec::new(),
+            cost: 0.0,
+        });
+        incumbent.close(Outcome::SolvedOptimally);
         return Ok(());
     }
-    let mut search = Search::new(
-        transitions,
-        &successors,
-        Box::new(RelaxedPlan::new(&compiled, &relaxed)),
-        Parameters {
-            time_weight: 0.0,
-            seed: options.seed,
-            dominance: dominance(task, &completeness),
-            tolerance: 20.0 * EPSILON,
-            memory: options.memory_limit,
-        },
-    );
-    let mut outcome;
-    loop {
-        let status = search.run(256, &mut |plan| {
-            incumbent.offer(plan);
-        });
-        if let Some(error) = calls.failure() {
-            return Err(error.into());
+    let warm = options
+        .warm_start
+        .map(|plan| warm_start::operators(task, plan))
+        .unwrap_or_default();
+    let optimiser = Optimiser::new(task, options.seed);
+    let outcome = match optimiser {
+        Some(optimiser) if options.threads > 1 && options.node_limit.is_none() => {
+            threads::run(&setting, optimiser, &warm, &mut incumbent)?
         }
-        if let Some(progress) = options.progress {
-            progress.tell(search.statistics.expansions, incumbent.report.lower_bound);
-        }
-        outcome = match status {
-            Status::Exhausted => exhausted(&incumbent, &completeness, search.chose_duration),
-            Status::MemoryFull => Outcome::OutOfMemory,
-            Status::Interrupted | Status::Found => {
-                let nodes = search.statistics.expansions;
-                if incumbent.is_optimal() {
-                    Outcome::SolvedOptimally
-                } else if let Some(outcome) = options.interrupted(begun) {
-                    outcome
-                } else if options.node_limit.is_some_and(|limit| nodes >= limit)
-                    || (options.first_plan_only && incumbent.cost().is_finite())
-                {
-                    Outcome::TimedOut
-                } else {
-                    continue;
-                }
-            }
-        };
-        break;
-    }
-    let solved = !incumbent.report.plans.is_empty();
-    if solved && outcome != Outcome::SolvedOptimally {
-        outcome = Outcome::Solved;
-    }
-    if outcome == Outcome::SolvedOptimally && task.metric.is_none() {
-        let best = incumbent.cost();
-        let report = &mut incumbent.report;
-        report.lower_bound = report
-            .lower_bound
-            .max(best - epsilons(&report.plans[report.plans.len() - 1].plan));
-    }
-    report.outcome = outcome;
-    report.expansions = search.statistics.expansions;
-    report.evaluations = search.statistics.evaluations;
+        optimiser => alternation::run(&setting, optimiser, &warm, &mut incumbent)?,
+    };
+    incumbent.close(outcome);
     Ok(())
 }
 
-fn exhausted(incumbent: &Incumbent<'_>, completeness: &Completeness, chose: bool) -> Outcome {
-    if incumbent.cost().is_finite() {
-        if completeness.keeps_optima && !chose {
-            Outcome::SolvedOptimally
-        } else {
-            Outcome::Solved
-        }
-    } else if completeness.finds_plans && !chose {
-        Outcome::ProvenUnsolvable
-    } else {
-        Outcome::Exhausted
-    }
-}
-
-fn dominance(task: &Task, completeness: &Completeness) -> Dominance {
-    if completeness.earlier_is_better {
-        Dominance::Earlier
-    } else if task.timed.is_empty() {
-        Dominance::Shifted
-    } else {
-        Dominance::Same
-    }
+/// Whether the empty plan reaches the goal and nothing but the makespan counts.
+fn is_solved_at_once(setting: &Setting<'_>) -> bool {
+    let calls = setting.calls();
+    let transitions = setting.transitions(&calls);
+    setting.task.metric.is_none() && transitions.is_goal(&State::initial(setting.compiled))
 }

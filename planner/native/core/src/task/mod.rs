@@ -213,7 +213,7 @@ pub struct Operator {
     /// decide them (the other disjuncts, implications that hold anyway). They count as read where
     /// happenings interfere.
     pub also_reads: [Vec<FactId>; 2],
-    /// Happen at start.
+    /// Happen at start; of what one happening both deletes and adds the add prevails.
     pub start_effects: Vec<GroundEffect>,
     /// Happen at end.
     pub end_effects: Vec<GroundEffect>,

@@ -1,0 +1,162 @@
+//! One thread: the two searches take turns, each turn longer than the last.
+
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use crate::epoch::search::Status;
+use crate::outcome::Outcome;
+use crate::schedule::{Ending, Limits, Optimiser};
+use crate::solve::SolveError;
+
+use super::incumbent::Incumbent;
+use super::{Setting, from_schedule};
+
+/// First turn of the list-schedule search.
+const TURN: Duration = Duration::from_millis(40);
+/// The same in nodes, where those are limited and the clock must not matter.
+const TURN_NODES: u64 = 400;
+/// Part of a turn that the decision-epoch search gets once there is a plan.
+const SHARE: f64 = 0.15;
+
+/// Turns in which it gets more: small spaces are exhausted, and proofs found, by then.
+const EARLY: u32 = 4;
+
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+/// Runs until an outcome is reached.
+///
+/// # Errors
+/// A fault of an attachment.
+pub(super) fn run(
+    setting: &Setting<'_>,
+    optimiser: Option<Optimiser<'_>>,
+    warm: &[crate::task::OperatorId],
+    incumbent: &mut Incumbent<'_>,
+) -> Result<Outcome, SolveError> {
+    let calls = setting.calls();
+    let transitions = setting.transitions(&calls);
+    let mut search = setting.search(&calls, setting.options.seed);
+    let mut optimiser = optimiser;
+    let mut epoch_open = true;
+    let mut turn = 0_u32;
+    let mut adopt: Vec<_> = warm.to_vec();
+    // Where one action has to start inside another, the list-schedule search is the second choice.
+    let epoch_first = setting.completeness.required_concurrency;
+    loop {
+        let growth = f64::from(turn.min(24)).exp2();
+        let turn_time = TURN.mul_f64(growth.min(512.0));
+        let turn_nodes = (TURN_NODES as f64 * growth) as u64;
+        if let Some(list_search) = &mut optimiser
+            && !(epoch_first && turn == 0 && warm.is_empty())
+        {
+            let spent = list_search.nodes() + search.statistics.expansions;
+            let nodes = setting
+                .options
+                .node_limit
+                .map(|limit| turn_nodes.min(limit.saturating_sub(spent)));
+            let mut until = setting.deadline();
+            if setting.options.node_limit.is_none() {
+                let turn_end = Instant::now() + turn_time;
+                until = Some(until.map_or(turn_end, |deadline| deadline.min(turn_end)));
+            }
+            let first_only = setting.options.first_plan_only;
+            let enough = AtomicBool::new(false);
+            let limits = Limits {
+                deadline: until,
+                cancel: if first_only {
+                    &enough
+                } else {
+                    setting.options.cancel.unwrap_or(&NEVER)
+                },
+                nodes,
+            };
+            let from = (!adopt.is_empty()).then_some(adopt.as_slice());
+            let mut sound = true;
+            let ending = list_search.run(from, &limits, &mut |schedule| {
+                sound &= incumbent.offer_checked(&transitions, &from_schedule(schedule));
+                enough.store(true, std::sync::atomic::Ordering::Relaxed);
+            });
+            adopt.clear();
+            incumbent.report.schedules = list_search.nodes();
+            if ending != Ending::Limit || !sound {
+                optimiser = None;
+            }
+        }
+        if let Some(outcome) = setting.over(incumbent, search.statistics.expansions) {
+            break Ok(outcome);
+        }
+        if epoch_open {
+            let alone = optimiser.is_none();
+            let share = match (alone, incumbent.exists()) {
+                (true, _) => 4.0,
+                (false, true) if turn < EARLY => 0.5,
+                (false, true) => SHARE,
+                (false, false) => 1.0,
+            };
+            let end = Instant::now() + turn_time.mul_f64(share);
+            let timed = setting.options.node_limit.is_none();
+            let mut budget = ((turn_nodes as f64 * share) as u64).max(16);
+            search.set_bound(incumbent.bound());
+            loop {
+                let before = search.statistics.expansions;
+                let mut best_operators = None;
+                let status = search.run(
+                    if timed { u64::MAX >> 1 } else { budget },
+                    &mut || (timed && Instant::now() >= end) || setting.interrupted().is_some(),
+                    &mut |found| {
+                        if incumbent.offer(&found) {
+                            best_operators = Some(incumbent.operators().to_vec());
+                        }
+                    },
+                );
+                budget = budget.saturating_sub(search.statistics.expansions - before);
+                incumbent.report.expansions = search.statistics.expansions;
+                incumbent.report.evaluations = search.statistics.evaluations;
+                if let Some(operators) = best_operators {
+                    adopt = operators;
+                }
+                if let Some(error) = calls.failure() {
+                    return Err(error.into());
+                }
+                match status {
+                    Status::Exhausted => {
+                        let outcome = setting.exhausted(incumbent, &search);
+                        let settled = matches!(
+                            outcome,
+                            Outcome::SolvedOptimally | Outcome::ProvenUnsolvable
+                        );
+                        if settled || optimiser.is_none() {
+                            return Ok(outcome);
+                        }
+                        epoch_open = false;
+                    }
+                    Status::MemoryFull => {
+                        if optimiser.is_none() {
+                            return Ok(Outcome::OutOfMemory);
+                        }
+                        epoch_open = false;
+                        // Gives the memory back.
+                        search = setting.search(&calls, setting.options.seed);
+                    }
+                    Status::Found
+                        if !incumbent.is_optimal() && !setting.options.first_plan_only =>
+                    {
+                        search.set_bound(incumbent.bound());
+                        let time_left = timed && Instant::now() < end;
+                        if time_left || (!timed && budget > 0) {
+                            continue;
+                        }
+                    }
+                    Status::Found | Status::Interrupted => {}
+                }
+                break;
+            }
+        } else if optimiser.is_none() {
+            return Ok(Outcome::OutOfMemory);
+        }
+        if let Some(outcome) = setting.over(incumbent, search.statistics.expansions) {
+            break Ok(outcome);
+        }
+        turn += 1;
+    }
+}

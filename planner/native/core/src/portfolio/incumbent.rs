@@ -1,0 +1,129 @@
+//! The best plan so far, which all searches share.
+
+use std::time::Instant;
+
+use crate::epoch::search::Found;
+use crate::epoch::state::Transitions;
+use crate::outcome::Outcome;
+use crate::plan::{EPSILON, Plan};
+use crate::solve::{FoundPlan, SolveReport};
+use crate::task::{OperatorId, Task};
+
+/// Collects improving plans into the report and hands them on.
+pub struct Incumbent<'a> {
+    task: &'a Task,
+    begun: Instant,
+    /// The report under construction.
+    pub report: &'a mut SolveReport,
+    improved: &'a mut dyn FnMut(&Plan),
+    /// Operators of the best plan by start.
+    operators: Vec<OperatorId>,
+}
+
+impl<'a> Incumbent<'a> {
+    /// No plan yet.
+    #[must_use]
+    pub fn new(
+        task: &'a Task,
+        begun: Instant,
+        report: &'a mut SolveReport,
+        improved: &'a mut dyn FnMut(&Plan),
+    ) -> Self {
+        Self {
+            task,
+            begun,
+            report,
+            improved,
+            operators: Vec::new(),
+        }
+    }
+
+    /// Whether there is a plan.
+    #[must_use]
+    pub fn exists(&self) -> bool {
+        !self.report.plans.is_empty()
+    }
+
+    /// The makespan below which plans are of interest [s]; infinite where something else is
+    /// minimised.
+    #[must_use]
+    pub fn bound(&self) -> f64 {
+        match self.report.plans.last() {
+            Some(best) if self.task.metric.is_none() => best.cost,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The operators of the best plan by start.
+    #[must_use]
+    pub fn operators(&self) -> &[OperatorId] {
+        &self.operators
+    }
+
+    /// Takes a plan of the list-schedule search after executing it in the other space, which shares
+    /// no code with it; false if it is not valid.
+    pub fn offer_checked(&mut self, transitions: &Transitions<'_>, found: &Found) -> bool {
+        let valid = transitions
+            .execute(&found.steps)
+            .is_some_and(|state| transitions.is_goal(&state));
+        if valid {
+            self.offer(found);
+        }
+        valid
+    }
+
+    /// Takes a plan if it is better than all before.
+    pub fn offer(&mut self, found: &Found) -> bool {
+        let maximise = self.task.metric.as_ref().is_some_and(|m| m.maximise);
+        let better = self.report.plans.last().is_none_or(|best| {
+            if maximise {
+                found.cost > best.cost + 1e-9
+            } else {
+                found.cost < best.cost - 1e-9
+            }
+        });
+        if !better || found.cost.is_nan() {
+            return false;
+        }
+        let plan = found.plan(self.task);
+        (self.improved)(&plan);
+        self.operators = found.steps.iter().map(|step| step.0).collect();
+        self.report.plans.push(FoundPlan {
+            plan,
+            cost: found.cost,
+            wall_s: self.begun.elapsed().as_secs_f64(),
+        });
+        true
+    }
+
+    /// Epsilons that separate the steps of the best plan [s]: differences this small do not count.
+    fn slack(&self) -> f64 {
+        let steps = self
+            .report
+            .plans
+            .last()
+            .map_or(0, |best| best.plan.steps.len());
+        EPSILON * (steps + 1) as f64
+    }
+
+    /// Whether the best plan meets the lower bound, epsilons aside.
+    #[must_use]
+    pub fn is_optimal(&self) -> bool {
+        self.exists() && self.bound() <= self.report.lower_bound + self.slack()
+    }
+
+    /// Notes how the search ended; exhausting the space may have raised the lower bound.
+    pub fn close(&mut self, outcome: Outcome) {
+        self.report.outcome = match outcome {
+            Outcome::SolvedOptimally => {
+                let proved = self.bound() - self.slack();
+                if proved.is_finite() {
+                    self.report.lower_bound = self.report.lower_bound.max(proved);
+                }
+                outcome
+            }
+            _ if self.exists() => Outcome::Solved,
+            _ => outcome,
+        };
+    }
+}
