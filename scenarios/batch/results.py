@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
+from math import isnan
 from pathlib import Path
 
 from scenarios.batch.comparison import (
@@ -117,7 +118,9 @@ Holm's correction over the teams of a map; d: Cohen's d of the differences. Inte
 
 
 def percent(share: Interval) -> str:
-    """`12.3 % (10.1 to 14.5)`."""
+    """`12.3 % (10.1 to 14.5)`, or that no pair of runs completed."""
+    if isnan(share.mean):
+        return "no completed pair"
     return f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f})"
 
 
@@ -133,8 +136,8 @@ def _figure(found: Findings, entry: MapEntry) -> str:
         for k, one in enumerate(series)
     )
     overall = "".join(
-        f"<p>{escape(strategy)} is {percent(saved)} faster than "
-        f"{escape(found.suite.compared_with)} over all teams, placements as a random effect.</p>"
+        f"<p>{escape(strategy)} against {escape(found.suite.compared_with)} over all teams, time "
+        f"saved, placements as a random effect: {percent(saved)}.</p>"
         for map_entry, strategy, saved in _overall(found)
         if map_entry.name == entry.name
     )

@@ -56,4 +56,8 @@ def test_hospital_mission_of_the_demo(mission: Mission) -> None:
     assert_sound(record)
     assert len(record.targets) == 15
     assert record.robot_collisions == 0
-    assert record.plans_accepted == len(record.plans)
+    assert record.plans_accepted > 0
+    reasons = {decision.revision: decision.reason for decision in record.decisions}
+    for plan in record.plans:
+        # A replan without a plan in time falls back to one-step orders, and says so.
+        assert plan.validated or "; instead " in reasons[plan.revision]

@@ -59,6 +59,14 @@ def test_failures_are_counted_not_hidden() -> None:
     assert "16 of 16 runs" in text
 
 
+def test_without_a_completed_pair_it_says_so() -> None:
+    failed = [{**row, "status": "stuck"} for row in rows()]
+    text = markdown(findings(SUITE, failed))
+    assert "no completed pair" in text
+    assert "nan" not in text
+    assert "nan" not in page(findings(SUITE, failed))
+
+
 def test_files_hold_every_row(tmp_path: Path) -> None:
     write(findings(SUITE, rows()), tmp_path)
     with (tmp_path / "runs.csv").open(encoding="utf-8") as file:

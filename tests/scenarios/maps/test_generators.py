@@ -34,7 +34,7 @@ def test_every_space_is_reached_and_nothing_leaks(kind: str, seed: int) -> None:
             assert not (free & (np.roll(outside, shift, axis) == -1)).any()
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [3])
 @pytest.mark.parametrize("kind", [k for k, (_, p) in sorted(GENERATORS.items()) if p.blockades])
 def test_missions_depend_on_clearing(kind: str, seed: int) -> None:
     generator, parameters = GENERATORS[kind]
