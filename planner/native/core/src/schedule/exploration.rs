@@ -42,8 +42,6 @@ pub struct Labelling {
 pub struct Restriction {
     /// It must add this too.
     pub with: Option<u32>,
-    /// It must not be this operator's, nor add what only that operator's rule adds.
-    pub without: Option<u32>,
 }
 
 /// What to explore: from the state behind a list to one proposition.
@@ -423,16 +421,10 @@ fn destroys(model: &Model, state: &State, operator: u32) -> bool {
 
 fn admits(propositions: &Propositions, rule: u32, restriction: Restriction) -> bool {
     let rule = &propositions.rules[rule as usize];
-    let with = restriction.with.is_none_or(|with| {
+    restriction.with.is_none_or(|with| {
         propositions
             .adds(rule)
             .iter()
             .any(|add| add.proposition == with)
-    });
-    with && restriction.without.is_none_or(|without| {
-        !propositions
-            .adds(rule)
-            .iter()
-            .any(|add| add.proposition == without)
     })
 }

@@ -136,7 +136,7 @@ impl Links {
         for writers in &mut self.writers {
             writers.clear();
         }
-        collect(model, propositions, operators, &links, &numeric)
+        collect(propositions, operators, &links, &numeric)
     }
 
     fn link(&self, consumer: u32, fact: u32, value: bool, used_up: bool, links: &mut Vec<Link>) {
@@ -177,7 +177,6 @@ impl Links {
 }
 
 fn collect(
-    model: &Model,
     propositions: &Propositions,
     operators: &[u32],
     links: &[Link],
@@ -238,6 +237,5 @@ fn collect(
             element.consumers.push(consumer as u32);
         }
     }
-    let _ = model;
     elements
 }

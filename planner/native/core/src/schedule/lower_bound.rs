@@ -15,16 +15,6 @@ pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) 
     let count = propositions.count();
     let mut label = vec![f64::INFINITY; count];
     let mut settled = vec![false; count];
-    let mut waiting: Vec<u32> = propositions
-        .rules
-        .iter()
-        .map(|rule| {
-            let needs = propositions.needs(rule).iter();
-            needs
-                .filter(|need| counts(propositions, rule, need))
-                .count() as u32
-        })
-        .collect();
     let mut finished = vec![f64::INFINITY; count];
     let mut queue = BinaryHeap::new();
     for proposition in 0..count as u32 {
@@ -96,8 +86,12 @@ pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) 
                 }
             }
         };
-    for (index, waiting) in waiting.iter().enumerate() {
-        if *waiting == 0 {
+    let ready = |rule: &Rule, settled: &[bool]| {
+        let mut needs = propositions.needs(rule).iter();
+        needs.all(|need| settled[need.proposition as usize] || !counts(propositions, rule, need))
+    };
+    for (index, rule) in propositions.rules.iter().enumerate() {
+        if ready(rule, &settled) {
             fire(index, &mut label, &mut queue);
         }
     }
@@ -106,18 +100,7 @@ pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) 
             continue;
         }
         for index in propositions.needing.row(proposition) {
-            let rule = &propositions.rules[*index as usize];
-            // A proposition needed at start and at end is listed, and settled, twice.
-            let Some(need) = propositions
-                .needs(rule)
-                .iter()
-                .find(|need| need.proposition == proposition && counts(propositions, rule, need))
-            else {
-                continue;
-            };
-            let _ = need;
-            waiting[*index as usize] -= 1;
-            if waiting[*index as usize] == 0 {
+            if ready(&propositions.rules[*index as usize], &settled) {
                 fire(*index as usize, &mut label, &mut queue);
             }
         }
@@ -125,15 +108,10 @@ pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) 
     let goals = propositions.goal.iter().map(|goal| {
         let index = *goal as usize;
         let exogenous = model_window(model, propositions, *goal);
-        if propositions.holds(initial, *goal) || exogenous {
+        let numeric = propositions.literal(*goal).is_none();
+        // How much a numeric goal needs, the rules do not show.
+        if propositions.holds(initial, *goal) || exogenous || numeric {
             0.0
-        } else if propositions.literal(*goal).is_none() {
-            // A numeric goal that does not hold needs at least one operator that changes it.
-            if finished[index].is_finite() {
-                finished[index]
-            } else {
-                0.0
-            }
         } else {
             finished[index]
         }
@@ -150,4 +128,27 @@ fn model_window(model: &Model, propositions: &Propositions, proposition: u32) ->
     propositions
         .literal(proposition)
         .is_some_and(|(fact, _)| model.window_of[fact as usize] != NONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::goal_bounds;
+    use crate::schedule::testing::{FACTORY, task};
+    use crate::schedule::workshop::Workshop;
+
+    #[test]
+    fn start_effects_count_from_the_start_but_goals_last_to_the_end() {
+        let task = task(FACTORY);
+        let workshop = Workshop::new(&task, 0).expect("supported");
+        let bounds = goal_bounds(&workshop.model, &workshop.propositions, &workshop.state);
+        // prime: [0, 4], adds primed at its end; paint starts 0.001 later, adds painted at its
+        // start and lasts 3; pack reads painted 0.001 after that and lasts 2.
+        let mut bounds = bounds;
+        bounds.sort_by(f64::total_cmp);
+        let expected = [1.0, 6.002, 7.001];
+        assert_eq!(bounds.len(), expected.len());
+        for (bound, expected) in bounds.iter().zip(expected) {
+            assert!((bound - expected).abs() < 1e-9, "{bounds:?}");
+        }
+    }
 }

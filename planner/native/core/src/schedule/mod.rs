@@ -23,6 +23,8 @@ mod optimiser;
 mod propositions;
 mod repair;
 mod state;
+#[cfg(test)]
+mod testing;
 mod workshop;
 
 pub use optimiser::{Ending, Limits, Optimiser, Schedule, ScheduledOperator};

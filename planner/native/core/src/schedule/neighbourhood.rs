@@ -126,13 +126,11 @@ impl Workshop {
             let item = if self.random.random_bool(0.5) {
                 Item::Keep(element)
             } else {
-                // By the object that did what stood there: exchanges tails of itineraries.
-                let with = self.companion(&elements[from], Some(&elements[to]));
+                let with = self.companion(element);
                 Item::Achieve(
                     element.primary,
                     Restriction {
                         with: with.filter(|_| self.random.random_bool(0.5)),
-                        without: None,
                     },
                 )
             };
@@ -142,7 +140,7 @@ impl Workshop {
 
     /// What another way to the element's primary adds besides: `at r t` of the robot r that
     /// explores t instead.
-    fn companion(&mut self, element: &Element, _: Option<&Element>) -> Option<u32> {
+    fn companion(&mut self, element: &Element) -> Option<u32> {
         let rules = self.propositions.adding.row(element.primary);
         if rules.is_empty() {
             return None;
@@ -164,11 +162,8 @@ impl Workshop {
     ) {
         dropped[anchor] = true;
         let element = &elements[anchor];
-        let restriction = match self.companion(element, None) {
-            Some(with) => Restriction {
-                with: Some(with),
-                without: None,
-            },
+        let restriction = match self.companion(element) {
+            Some(with) => Restriction { with: Some(with) },
             None => Restriction::default(),
         };
         let position = if self.random.random_bool(0.5) {
@@ -200,14 +195,11 @@ impl Workshop {
         }
         let position = self.position_near(index, elements.len());
         let with = if self.random.random_bool(0.4) {
-            self.companion(element, None)
+            self.companion(element)
         } else {
             None
         };
-        let restriction = Restriction {
-            with,
-            without: None,
-        };
+        let restriction = Restriction { with };
         inserted.push((position, Item::Achieve(element.primary, restriction)));
     }
 

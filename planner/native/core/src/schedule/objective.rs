@@ -16,7 +16,7 @@ pub struct Objective {
 
 impl Objective {
     /// Reads the task's metric; `None` if it calls an attachment.
-    pub fn new(task: &Task, _: &Model, _: &State) -> Option<Self> {
+    pub fn new(task: &Task) -> Option<Self> {
         let metric = match &task.metric {
             None => None,
             Some(metric) if !metric.maximise && is_total_time(&metric.expression) => None,

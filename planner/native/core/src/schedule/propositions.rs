@@ -264,14 +264,6 @@ impl Propositions {
             } as f32;
             let from = adds.len() as u32;
             for write in model.writes(operator) {
-                let overwritten = !write.at_end
-                    && model
-                        .writes(operator)
-                        .iter()
-                        .any(|other| other.at_end && other.fact == write.fact);
-                if overwritten && !write.value {
-                    continue;
-                }
                 let proposition = if write.value {
                     write.fact
                 } else {

@@ -407,7 +407,7 @@ impl State {
             .conditional
             .iter()
             .filter(|effect| effect.at_end == at_end && effect.fluent.is_some())
-            .filter(|effect| self.fires(detail, effect, duration))
+            .filter(|effect| self.fires(effect, duration))
             .filter_map(|effect| effect.fluent.as_ref())
             .collect();
         detail
@@ -420,7 +420,7 @@ impl State {
 
     /// Whether a conditional effect happens. Conditions are read in the state before the operator;
     /// a task where an operator's own start effect decides them is refused by the caller.
-    fn fires(&self, _: &Detail, effect: &ConditionalWrite, duration: f64) -> bool {
+    fn fires(&self, effect: &ConditionalWrite, duration: f64) -> bool {
         effect.condition.iter().all(|part| {
             part.positive.iter().all(|fact| self.holds(fact.0, true))
                 && part.negative.iter().all(|fact| self.holds(fact.0, false))
@@ -446,7 +446,7 @@ impl State {
                 start = start.max(self.fluents[*fluent as usize].changed + EPSILON - lag);
             }
         });
-        let fires = self.fires(&Detail::default(), effect, duration);
+        let fires = self.fires(effect, duration);
         if let (true, Some((fact, value))) = (fires, effect.fact) {
             // Written whatever its value: be as strict as for a real change.
             start = start.max(self.writable(fact, value) - offset);
@@ -595,8 +595,7 @@ impl State {
             for (fluent, until) in read_fluents {
                 self.read_fluent(fluent, until);
             }
-            if let (Some((fact, value)), true) = (effect.fact, self.fires(detail, effect, duration))
-            {
+            if let (Some((fact, value)), true) = (effect.fact, self.fires(effect, duration)) {
                 fired.push((fact, value, time));
             }
         }
@@ -690,5 +689,54 @@ fn for_reads(condition: &[Conjunction; 3], mut visit: impl FnMut(usize, Option<u
             let _ = crate::schedule::model::fluents_of(&comparison.right, &mut fluents);
             visit(index, None, &fluents);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::State;
+    use crate::schedule::model::Model;
+    use crate::schedule::testing::{FACTORY, task};
+
+    proptest! {
+        #[test]
+        fn rolling_back_restores_everything(choices in prop::collection::vec(any::<u32>(), 0..12), keep in 0usize..12) {
+            let task = task(FACTORY);
+            let model = Model::new(&task).expect("supported");
+            let mut state = State::new(&model, &task);
+            let mut before = None;
+            for (index, choice) in choices.iter().enumerate() {
+                if index == keep {
+                    before = Some((state.mark(), format!("{:?} {:?} {:?}", state.facts, state.truth, state.list)));
+                }
+                let operator = choice % task.operators.len() as u32;
+                if let Some(dispatch) = state.earliest(&model, operator) {
+                    state.apply(&model, dispatch);
+                }
+            }
+            if let Some((mark, text)) = before {
+                state.rollback(mark);
+                prop_assert_eq!(text, format!("{:?} {:?} {:?}", state.facts, state.truth, state.list));
+            }
+        }
+    }
+
+    #[test]
+    fn later_operators_may_start_earlier() {
+        let task = task(FACTORY);
+        let model = Model::new(&task).expect("supported");
+        let mut state = State::new(&model, &task);
+        let mut starts = Vec::new();
+        for name in ["prime", "paint", "sweep"] {
+            let operator = (0..task.operators.len() as u32)
+                .find(|operator| task.operator_name(crate::task::OperatorId(*operator)) == name);
+            let dispatch = state.earliest(&model, operator.expect("grounded"));
+            let dispatch = dispatch.expect("applicable");
+            state.apply(&model, dispatch);
+            starts.push(dispatch.start);
+        }
+        assert_eq!(starts, [0.0, 4.001, 0.0]);
     }
 }

@@ -40,7 +40,7 @@ impl Workshop {
     pub fn new(task: &Task, seed: u64) -> Option<Self> {
         let model = Model::new(task)?;
         let state = State::new(&model, task);
-        let objective = Objective::new(task, &model, &state)?;
+        let objective = Objective::new(task)?;
         let costs = objective.operator_costs(&model, &state);
         let propositions = Propositions::new(&model, &state, &costs);
         let exploration = Exploration::new(&propositions, objective.is_makespan());
@@ -181,7 +181,7 @@ impl Workshop {
                 plan,
             );
             if !label.is_finite() {
-                if restriction.with.is_some() || restriction.without.is_some() {
+                if restriction.with.is_some() {
                     restriction = Restriction::default();
                 } else if labelling.protect {
                     labelling.protect = false;

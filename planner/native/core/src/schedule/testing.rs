@@ -1,0 +1,37 @@
+//! A small task for the tests of this space.
+
+use crate::attachment::NoAttachments;
+use crate::grounding::{GroundingLimits, ground};
+use crate::pddl::{read_domain, read_problem};
+use crate::syntax::source::SourceFile;
+use crate::task::Task;
+
+/// Prime, then paint, then pack; sweeping is independent.
+pub const FACTORY: &str = "(define (domain factory) (:requirements :durative-actions)
+ (:predicates (raw) (primed) (painted) (packed) (swept) (dusty) (clean))
+ (:durative-action prime :parameters () :duration (= ?duration 4)
+  :condition (at start (raw)) :effect (and (at start (not (raw))) (at end (primed))))
+ (:durative-action paint :parameters () :duration (= ?duration 3)
+  :condition (at start (primed)) :effect (and (at start (painted)) (at end (swept))))
+ (:durative-action pack :parameters () :duration (= ?duration 2)
+  :condition (at start (painted)) :effect (at end (packed)))
+ (:durative-action sweep :parameters () :duration (= ?duration 1)
+  :condition (at start (dusty)) 
+  :effect (and (at start (not (dusty))) (at end (clean)))))";
+
+/// Grounds a domain for the goal of a swept and packed factory.
+pub fn task(domain: &str) -> Task {
+    let (domain, diagnostics) = read_domain(&SourceFile::new("domain", domain));
+    let domain = domain.unwrap_or_else(|| panic!("{diagnostics:?}"));
+    let problem = "(define (problem p) (:domain factory) (:init (raw) (dusty))
+     (:goal (and (packed) (swept) (clean))))";
+    let (problem, diagnostics) = read_problem(&SourceFile::new("problem", problem), &domain);
+    let problem = problem.unwrap_or_else(|| panic!("{diagnostics:?}"));
+    ground(
+        &domain,
+        &problem,
+        &NoAttachments,
+        &GroundingLimits::default(),
+    )
+    .unwrap_or_else(|error| panic!("{error}"))
+}
