@@ -77,7 +77,6 @@ def compose(
         time_limit_s=scenario.time_limit_s,
         report_period_s=scenario.report_period_s,
         noise=Noise(**scenario.noise.model_dump()),
-        communication_range_m=scenario.communication_range_m,
         failures=tuple(Failure(**failure.model_dump()) for failure in scenario.failures),
     )
     return Composition(

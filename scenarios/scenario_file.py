@@ -6,10 +6,9 @@ relative to it.
 
 from __future__ import annotations
 
-import math
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -64,8 +63,6 @@ class RobotTypeSection(_Section):
     radius_m: Annotated[float, Field(gt=0)] = 0.3
     speed_m_s: Annotated[float, Field(gt=0)] = 1.0
     turn_rate_rad_s: Annotated[float, Field(gt=0)] = 2.0
-    drive: Literal["differential", "ackermann"] = "differential"
-    turning_radius_m: Annotated[float, Field(gt=0)] = 0.6
     sensor_range_m: Annotated[float, Field(gt=0)] = 5.0
     beams: Annotated[int, Field(ge=8)] = 180
     enters: tuple[str, ...] = ("default",)
@@ -110,12 +107,9 @@ class PlanningSection(_Section):
 
 
 class NoiseSection(_Section):
-    """Standard deviations of sensing and dead reckoning; zero switches a noise off."""
+    """Standard deviations of sensing; zero switches a noise off."""
 
     laser_range_m: Annotated[float, Field(ge=0)] = 0.0
-    odometry_translation: Annotated[float, Field(ge=0)] = 0.0
-    odometry_rotation_rad: Annotated[float, Field(ge=0)] = 0.0
-    odometry_drift_rad_m: Annotated[float, Field(ge=0)] = 0.0
 
 
 class FailureSection(_Section):
@@ -135,7 +129,6 @@ class ScenarioFile(_Section):
     strategy: str = "planner"
     time_limit_s: Annotated[float, Field(gt=0)] = 7200.0
     report_period_s: Annotated[float, Field(gt=0)] = 5.0
-    communication_range_m: Annotated[float, Field(gt=0)] = math.inf
     map: MapSection
     robot_types: dict[str, RobotTypeSection]
     team: dict[str, Annotated[int, Field(ge=0, le=1000)]] = {}

@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -31,9 +30,6 @@ class RobotType:
     speed_m_s: float = 1.0
     turn_rate_rad_s: float = 2.0
     """Fastest turn on the spot (differential drive)."""
-    drive: Literal["differential", "ackermann"] = "differential"
-    turning_radius_m: float = 0.6
-    """Tightest curve of an Ackermann drive; a differential one ignores it."""
     sensor_range_m: float = 5.0
     beams: int = 180
     """Beams of the laser range finder, spread evenly over the full circle."""
@@ -49,11 +45,6 @@ class RobotType:
                     f"robot type {self.name!r}: {quantity} must be positive, "
                     f"not {getattr(self, quantity)!r}"
                 )
-        if self.drive not in ("differential", "ackermann"):
-            raise ScenarioError(
-                f"robot type {self.name!r}: drive must be 'differential' or 'ackermann', "
-                f"not {self.drive!r}"
-            )
         if self.beams < 8:
             raise ScenarioError(f"robot type {self.name!r}: beams must be 8 or more")
 
@@ -88,15 +79,9 @@ class HiddenBlockade:
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """Standard deviations of sensing and of dead reckoning; zero switches a noise off."""
+    """Standard deviations of sensing; zero switches a noise off."""
 
     laser_range_m: float = 0.0
-    odometry_translation: float = 0.0
-    """Per metre driven [m/m]."""
-    odometry_rotation_rad: float = 0.0
-    """Per radian turned [rad/rad]."""
-    odometry_drift_rad_m: float = 0.0
-    """Heading error per metre driven [rad/m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +127,6 @@ class FleetScenario:
     """Longest simulated time between two reports to the service."""
     scan_period_s: float = 0.2
     noise: Noise = field(default_factory=Noise)
-    communication_range_m: float = math.inf
-    """How far a robot's radio reaches, hop by hop, towards the base at the first robot's start."""
     failures: tuple[Failure, ...] = ()
 
     def __post_init__(self) -> None:
