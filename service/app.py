@@ -51,7 +51,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             store,
             all_strategies(),
             planners,
-            LoopParameters(debounce_s=settings.debounce_s, idle_replan_s=settings.idle_replan_s),
+            LoopParameters(
+                debounce_s=settings.debounce_s,
+                idle_replan_s=settings.idle_replan_s,
+                give_up_s=settings.give_up_s,
+                hopeless_s=settings.hopeless_s,
+            ),
             metrics,
             max_missions=settings.max_missions,
             max_map_cells=settings.max_map_cells,

@@ -30,6 +30,10 @@ class Settings(BaseModel):
     """Facts that arrive within this time share one replan [wall clock]."""
     idle_replan_s: float = Field(default=30.0, gt=0.0)
     """A robot without an order gets a fresh look after this time [fleet clock]."""
+    give_up_s: float = Field(default=60.0, gt=0.0)
+    """A robot that is late by that much and stands still has failed its command [fleet clock]."""
+    hopeless_s: float = Field(default=300.0, gt=0.0)
+    """A mission fails when for so long the team could do nothing [fleet clock]."""
     max_body_bytes: int = Field(default=32 * 2**20, ge=1024)
     max_map_cells: int = Field(default=16_000_000, ge=1)
     max_missions: int = Field(default=1000, ge=1)

@@ -6,6 +6,7 @@ from typing import Annotated, get_args
 import typer
 
 from service.access import Scope, new_key
+from service.commands.exit_codes import USAGE_ERROR
 
 SCOPES = get_args(Scope)
 
@@ -38,7 +39,7 @@ def new_api_key(
             else f"{bad[0]!r} is no name"
         )
         typer.echo(what, err=True)
-        raise typer.Exit(2)
+        raise typer.Exit(USAGE_ERROR)
     chosen: list[Scope] = [one for one in SCOPES if one in scopes]
     key, table = new_key(name, chosen, fleet or ["*"])
     with keys.open("a", encoding="utf-8") as file:

@@ -5,13 +5,14 @@ import json
 import logging
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 import uvicorn
 
 from service.access import ApiKey, KeyFileError, read_keys
 from service.app import create_app
+from service.commands.exit_codes import INPUT_ERROR, USAGE_ERROR
 from service.settings import Settings
 from service.store.engine import DatabaseUrlError, connect
 
@@ -44,14 +45,15 @@ def serve(
         _refuse(
             f"{host} is not a loopback address, and without API keys whoever reaches the port "
             "could command the fleet: give --keys FILE (see `marsupial new-key`), or listen on "
-            "127.0.0.1."
+            "127.0.0.1.",
+            USAGE_ERROR,
         )
     try:
         connect(db).connect().close()
     except DatabaseUrlError as error:
-        _refuse(str(error))
+        _refuse(str(error), INPUT_ERROR)
     except Exception as error:
-        _refuse(f"the database {db} cannot be opened: {error}")
+        _refuse(f"the database {db} cannot be opened: {error}", INPUT_ERROR)
     log_to_stderr(as_json=json_logs)
     uvicorn.run(
         create_app(Settings(database_url=db, api_keys=api_keys)),
@@ -69,13 +71,12 @@ def _keys(path: Path | None) -> list[ApiKey]:
     try:
         return read_keys(path)
     except KeyFileError as error:
-        _refuse(str(error))
-        return []
+        _refuse(str(error), INPUT_ERROR)
 
 
-def _refuse(why: str) -> None:
+def _refuse(why: str, exit_code: int) -> NoReturn:
     typer.echo(why, err=True)
-    raise typer.Exit(2)
+    raise typer.Exit(exit_code)
 
 
 def is_loopback(host: str) -> bool:

@@ -17,6 +17,7 @@ from semantic_attachments.world import GridMap, RobotModel
 from service.coordination import dispatch, facts
 from service.coordination.admission import Fault, report_faults
 from service.coordination.events import (
+    CommandGivenUp,
     Event,
     MissionClosed,
     OrdersIssued,
@@ -57,6 +58,10 @@ class LoopParameters:
     """Facts within this time share one replan, unless somebody waits [wall clock]."""
     idle_replan_s: float = 30.0
     """An idle robot gets a fresh look after this time [fleet clock]."""
+    give_up_s: float = 60.0
+    """A robot that is late by that much and stands still has failed its command [fleet clock]."""
+    hopeless_s: float = 300.0
+    """A mission fails when for so long the team could do nothing [fleet clock]."""
     retry_s: float = 1.0
     """When to try again after the log refused [wall clock]."""
 
@@ -129,6 +134,12 @@ class Coordinator:
             found += await self._look_around()
             if mission.is_accomplished:
                 await self._close("completed", "every target is visited")
+            elif facts.is_hopeless(mission, self._parameters.hopeless_s):
+                await self._close(
+                    "failed",
+                    f"{mission.status_reason}; nothing has changed for "
+                    f"{self._parameters.hopeless_s:g} s",
+                )
             elif found:
                 self._replan_for(found)
 
@@ -139,6 +150,17 @@ class Coordinator:
         for robot_id in facts.silent_robots(mission):
             await self._record([RobotLost(time_s=mission.time_s, robot=robot_id)])
             found.append(f"{robot_id} fell silent")
+        for robot_id in facts.stuck_robots(mission, self._parameters.give_up_s):
+            reason = f"it is more than {self._parameters.give_up_s:g} s late and stands still"
+            command = mission.commands[robot_id]
+            await self._record(
+                [
+                    CommandGivenUp(
+                        time_s=mission.time_s, robot=robot_id, command=command.id, reason=reason
+                    )
+                ]
+            )
+            found.append(f"{robot_id} does not get on with {command.kind} {command.location}")
         late = [
             robot_id
             for robot_id in facts.late_robots(mission)
@@ -271,18 +293,21 @@ class Coordinator:
             snapshot = situation(
                 self.mission, self.grid, self._models, self._meeting_points, trigger
             )
+            events = self.mission.events
         self._looked_at_s = snapshot.state.time_s
         snapshot = replace(snapshot, planning=within_load(snapshot.planning, self._planners.load))
-        return await self._decide(snapshot)
+        return await self._decide(snapshot, events)
 
-    async def _decide(self, snapshot: Situation) -> str:
-        """How the decision ended, in a word or two."""
+    async def _decide(self, snapshot: Situation, events: int) -> str:
+        """How the decision on a snapshot of that many events ended, in a word or two."""
+        hopeless = False
         try:
             decision = await self._planners.run(
                 Deliberation(self._strategy, self._memory), snapshot
             )
         except NoPlanError as error:
             outcome: Decided | str = f"{snapshot.trigger}: {error}"
+            hopeless = True
         except Exception as error:
             LOG.exception("mission %s: the strategy failed", self.mission.id)
             outcome = f"{snapshot.trigger}: the strategy failed: {error}"
@@ -293,11 +318,15 @@ class Coordinator:
                 return "mission over"
             if isinstance(outcome, str):
                 time_s = self.mission.time_s
-                await self._record([PlanningFailed(time_s=time_s, reason=outcome)])
+                # What has happened in the meantime gives hope.
+                hopeless = hopeless and not self._facts
+                await self._record(
+                    [PlanningFailed(time_s=time_s, reason=outcome, hopeless=hopeless)]
+                )
                 return "no plan"
-            return await self._adopt(snapshot, outcome)
+            return await self._adopt(snapshot, events, outcome)
 
-    async def _adopt(self, snapshot: Situation, decided: "Decided") -> str:
+    async def _adopt(self, snapshot: Situation, events: int, decided: "Decided") -> str:
         mission, proposal = self.mission, decided.proposal
         revision = mission.revision + 1
         commands = dispatch.commands(mission, decided.orders, revision)
@@ -316,6 +345,8 @@ class Coordinator:
                     steps=[] if proposal.keeps_plan else list(proposal.steps),
                     validated=proposal.validated,
                     remarks=dict(proposal.remarks),
+                    done=[] if proposal.keeps_plan else mission.done[len(snapshot.done) :],
+                    disturbed=mission.disturbed_by > events,
                 )
             ]
         )

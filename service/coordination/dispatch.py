@@ -83,6 +83,9 @@ def _command(order: Order, revision: int) -> Command:
 def _is_pointless(mission: Mission, assignment: Assignment) -> bool:
     location, partner = assignment.location or "", assignment.partner or ""
     match assignment.kind:
+        case OrderKind.MOVE:
+            # It arrived while the order was being thought out: nobody drives there twice.
+            return mission.robots[assignment.robot].arrived_at == location
         case OrderKind.EXPLORE:
             return location not in mission.targets or not mission.targets[location].is_open
         case OrderKind.CLEAR:

@@ -51,6 +51,10 @@ class OrdersIssued(Message):
     validated: bool = False
     remarks: dict[str, str] = Field(default_factory=dict)
     """Why instructions cannot be obeyed, by instruction id."""
+    done: list[Command] = Field(default_factory=list)
+    """Commands that were carried out while the new plan was being made: it may hold them again."""
+    disturbed: bool = False
+    """While the new plan was being made something happened that it does not reckon with."""
 
 
 class PlanKept(Message):
@@ -66,6 +70,18 @@ class PlanningFailed(Message):
 
     kind: Literal["planning-failed"] = "planning-failed"
     time_s: Seconds
+    reason: str
+    hopeless: bool = False
+    """As far as is known there is nothing that the team can do."""
+
+
+class CommandGivenUp(Message):
+    """A robot was so late, and stood still, that its command counts as failed."""
+
+    kind: Literal["command-given-up"] = "command-given-up"
+    time_s: Seconds
+    robot: str
+    command: str
     reason: str
 
 
@@ -141,6 +157,7 @@ Event = Annotated[
     | OrdersIssued
     | PlanKept
     | PlanningFailed
+    | CommandGivenUp
     | RobotLost
     | RobotJoined
     | RobotLeft

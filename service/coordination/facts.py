@@ -51,6 +51,40 @@ def late_robots(mission: Mission) -> list[str]:
     ]
 
 
+def stuck_robots(mission: Mission, give_up_s: float) -> list[str]:
+    """Robots that are late by more than `give_up_s` and have not moved for as long.
+
+    A robot that clears or docks cannot be interrupted, and one that is to meet another waits for it
+    as long as the other moves.
+    """
+    return [
+        robot_id
+        for robot_id, command in mission.commands.items()
+        if command.kind != "wait"
+        and command.expected_duration_s is not None
+        and command.id in mission.issued_at_s
+        and mission.time_s
+        > mission.issued_at_s[command.id] + command.expected_duration_s + give_up_s
+        and all(
+            mission.time_s - mission.robots[one].still_since_s > give_up_s
+            for one in (robot_id, command.partner)
+            if one in mission.robots
+        )
+    ]
+
+
+def is_hopeless(mission: Mission, grace_s: float) -> bool:
+    """Whether for `grace_s` the team has been able to do nothing and nothing has happened.
+
+    A person who drives a robot may still change that.
+    """
+    return (
+        mission.hopeless_since_s is not None
+        and mission.time_s - mission.hopeless_since_s >= grace_s
+        and not any(robot.taken_over for robot in mission.robots.values())
+    )
+
+
 def silent_robots(mission: Mission) -> list[str]:
     """Robots whose lease has run out while others reported."""
     return [

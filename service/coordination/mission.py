@@ -6,8 +6,10 @@ mission, before and after a crash.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from math import hypot
 
 from service.coordination.events import (
+    CommandGivenUp,
     Event,
     InstructionGiven,
     InstructionWithdrawn,
@@ -46,6 +48,7 @@ from service.messages.report import (
 DECISIONS_KEPT = 200
 ARRIVAL_TOLERANCE_M = 0.5
 """A robot that has moved further than this has left the place where it arrived."""
+_BUSY: frozenset[RobotActivity] = frozenset({"clearing", "docking", "undocking"})
 _LOCATED: frozenset[CommandKind] = frozenset({"move", "explore", "dock", "undock"})
 
 
@@ -64,6 +67,9 @@ class FleetRobot:
     """Where its last movement ended, until it moves on."""
     arrival_pose: Pose = (0.0, 0.0, 0.0)
     reported_at_s: float = 0.0
+    still_since_s: float = 0.0
+    """It has not left `still_pose` since."""
+    still_pose: Pose = (0.0, 0.0, 0.0)
     lost: bool = False
     """It has been silent for longer than its lease."""
     left: bool = False
@@ -157,8 +163,12 @@ class Mission:
     plan: PlanInForce | None = None
     plan_disturbed: bool = False
     """Something has happened that the plan in force does not reckon with."""
+    disturbed_by: int = 0
+    """Number of the event that disturbed the plan last."""
+    hopeless_since_s: float | None = None
+    """Nothing has happened since a strategy found that the team can do nothing."""
     done: list[Command] = field(default_factory=list)
-    """Commands carried out since the plan came into force, in order."""
+    """Commands carried out since the plan in force was begun to be made, in order."""
     commands: dict[str, Command] = field(default_factory=dict)
     """The command in force of each robot."""
     issued_at_s: dict[str, float] = field(default_factory=dict)
@@ -226,9 +236,15 @@ class Mission:
                 self.plannings += 1
                 self._decide(event.time_s, "no plan", event.reason)
                 self.status, self.status_reason = "delayed", event.reason
+                if not event.hopeless:
+                    self.hopeless_since_s = None
+                elif self.hopeless_since_s is None:
+                    self.hopeless_since_s = event.time_s
+            case CommandGivenUp():
+                self._give_up(event)
             case RobotLost():
                 self.robots[event.robot].lost = True
-                self.plan_disturbed = True
+                self._disturb()
                 self._drop_command(event.robot)
                 self._decide(event.time_s, "robot lost", f"{event.robot} fell silent")
             case MissionClosed():
@@ -244,7 +260,7 @@ class Mission:
 
     def _apply_change(self, event: Event) -> None:
         """What people change in a mission that is under way."""
-        self.plan_disturbed = True
+        self._disturb()
         match event:
             case RobotJoined(robot=robot):
                 self.robots[robot.id] = _fleet_robot(robot, self.time_s)
@@ -270,7 +286,12 @@ class Mission:
         )
         del self.decisions[:-DECISIONS_KEPT]
 
+    def _disturb(self) -> None:
+        self.plan_disturbed, self.disturbed_by = True, self.events
+        self.hopeless_since_s = None
+
     def _recover(self) -> None:
+        self.hopeless_since_s = None
         if self.status in ("queued", "delayed"):
             self.status, self.status_reason = "underway", ""
 
@@ -317,6 +338,7 @@ class Mission:
                     blockade.clear_duration_s,
                     seen_at_s=report.time_s,
                 )
+                self.hopeless_since_s = None
         for finished in report.finished:
             self._finish(finished.robot, finished.command, report.time_s)
         for failed in report.failed:
@@ -325,20 +347,23 @@ class Mission:
     def _apply_robot(self, report: RobotReport) -> None:
         robot = self.robots[report.id]
         robot.pose = report.pose
+        fails = report.state == "failed" != robot.state
         robot.state = report.state
         robot.command = report.command
         robot.busy_until_s = report.busy_until_s
         robot.reported_at_s = self.time_s
+        if _apart(robot.pose, robot.still_pose) or robot.state in _BUSY:
+            robot.still_pose, robot.still_since_s = robot.pose, self.time_s
+            self.hopeless_since_s = None
         if robot.lost:
             robot.lost = False
-            self.plan_disturbed = True
+            self._disturb()
             self._decide(self.time_s, "robot back", f"{robot.id} reports again")
-        if robot.state == "failed":
+        if fails:
             self._drop_command(robot.id)
-            self.plan_disturbed = True
+            self._disturb()
         if robot.state != "docked" and robot.arrived_at is not None:
-            (x, y, _), (arrival_x, arrival_y, _) = robot.pose, robot.arrival_pose
-            if (x - arrival_x) ** 2 + (y - arrival_y) ** 2 > ARRIVAL_TOLERANCE_M**2:
+            if _apart(robot.pose, robot.arrival_pose):
                 robot.arrived_at = None
 
     def _finish(self, robot_id: str, command_id: str, time_s: float) -> None:
@@ -348,6 +373,7 @@ class Mission:
         robot = self.robots[robot_id]
         self._close(robot_id, command_id)
         self.done.append(command)
+        self.hopeless_since_s = None
         match command.kind:
             case "explore":
                 target = self.targets.get(command.location or "")
@@ -388,12 +414,31 @@ class Mission:
             return
         command = self.orders[command_id]
         self._close(robot_id, command_id)
-        self.plan_disturbed = True
+        self._disturb()
+        self._count_failure(robot_id, command)
+        self._decide(
+            time_s,
+            "command failed",
+            f"{robot_id} gave up {command.kind} {command.location or ''}: {reason}",
+        )
+
+    def _give_up(self, event: CommandGivenUp) -> None:
+        # The order stays known: should the robot report it as finished after all, that is a fact.
+        command = self.orders[event.command]
+        self._disturb()
+        self._count_failure(event.robot, command)
+        self._drop_command(event.robot)
+        self.robots[event.robot].still_since_s = event.time_s
+        self._decide(
+            event.time_s,
+            "command failed",
+            f"{event.robot} is not carrying out {command.kind} {command.location or ''}: "
+            f"{event.reason}",
+        )
+
+    def _count_failure(self, robot_id: str, command: Command) -> None:
         place = command.location or ""
         self.failures[robot_id, place] = self.failures.get((robot_id, place), 0) + 1
-        self._decide(
-            time_s, "command failed", f"{robot_id} gave up {command.kind} {place}: {reason}"
-        )
 
     def _close(self, robot_id: str, command_id: str) -> None:
         self.closed.add(command_id)
@@ -415,8 +460,8 @@ class Mission:
             self.plan = PlanInForce(
                 tuple(event.steps), event.validated, event.revision, event.time_s
             )
-            self.plan_disturbed = False
-            self.done = []
+            self.plan_disturbed = event.disturbed
+            self.done = list(event.done)
         for command in event.commands:
             if command.id not in self.issued_at_s:
                 self.issued_at_s[command.id] = event.time_s
@@ -438,7 +483,13 @@ def _fleet_robot(robot: RobotMessage, time_s: float) -> FleetRobot:
         state="idle" if robot.carrier is None else "docked",
         carrier=robot.carrier,
         reported_at_s=time_s,
+        still_since_s=time_s,
+        still_pose=robot.pose,
     )
+
+
+def _apart(one: Pose, other: Pose) -> bool:
+    return hypot(one[0] - other[0], one[1] - other[1]) > ARRIVAL_TOLERANCE_M
 
 
 def describe(instruction: Instruction) -> str:

@@ -1,4 +1,8 @@
-"""A server killed with -9 in the middle of a mission, again and again: the mission goes on."""
+"""A server killed with -9 in the middle of a mission, again and again: the mission goes on.
+
+Once with a scripted fleet, which counts what it was told to do, and once with simulated robots in a
+scenario of the command line.
+"""
 
 import os
 import signal
@@ -15,10 +19,19 @@ from typing import Any
 import httpx
 import pytest
 
+from scenarios.mission import RunOptions, composed, run
+from scenarios.mission_record import MissionRecord
+from service.coordination.events import Event, OrdersIssued, ReportAccepted
+from service.settings import sqlite_url
+from service.store.engine import connect
+from service.store.event_store import EventStore
+from simulator.simulation import Progress
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "service"))
 from scripted_fleet import HiddenBlockade, Robot, ScriptedFleet, walls
 
 ROOT = Path(__file__).parents[2]
+HOSPITAL = ROOT / "scenarios" / "disaster" / "hospital.toml"
 ROOMS = walls(
     [
         "####################",
@@ -130,7 +143,107 @@ def test_a_mission_survives_kill_9(tmp_path: Path, strategy: str) -> None:
         detail = insist(url, "GET").json()
     assert detail["status"] == "completed"
     assert all(target["visited_by"] == "explorer_1" for target in detail["targets"])
-    deeds = [(kind, place) for _, kind, place in team.executed if kind in ("explore", "clear")]
+    deeds = [(robot, kind, place) for robot, kind, place in team.executed if kind != "wait"]
     assert len(deeds) == len(set(deeds))
     started_again = [d for d in detail["decisions"] if "started again" in d["reason"]]
     assert len(started_again) == len(kill_at)
+
+
+class Fleet:
+    """A simulated fleet that knows the service's address and nothing else, in a thread."""
+
+    def __init__(self, scenario: Path, service: str, scratch: Path) -> None:
+        self.record: MissionRecord | None = None
+        self.time_s = 0.0
+        self._under_way = threading.Event()
+        self._scenario, self._scratch = scenario, scratch
+        self._options = RunOptions(seed=1, service=service, headless=True)
+        self._thread = threading.Thread(target=self._run, name="fleet", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            composition = composed(self._scenario, self._options, self._scratch)
+            self.record = run(composition, self._options, self._listen, self._scratch)
+        finally:
+            self._under_way.set()
+
+    def _listen(self, progress: Progress) -> None:
+        self.time_s = progress.time_s
+        if 0 < progress.targets_left < progress.targets and progress.blockades_known > 0:
+            self._under_way.set()
+
+    def wait_until_under_way(self) -> None:
+        """Returns when there are targets visited and to visit, and a blockade is known."""
+        assert self._under_way.wait(120.0)
+        assert self._thread.is_alive(), "the mission was over before the server could be killed"
+
+    def join(self, timeout_s: float) -> MissionRecord:
+        """The mission's record when it has ended."""
+        self._thread.join(timeout_s)
+        assert self.record is not None, f"the mission does not end ({self.time_s:.0f} s)"
+        return self.record
+
+
+def logged(database: Path) -> list[Event]:
+    """All events of the one mission in a database."""
+    store = EventStore(connect(sqlite_url(database)))
+    try:
+        (mission_id,) = store.listed(10)
+        return list(store.events(mission_id))
+    finally:
+        store.close()
+
+
+def assert_nothing_twice(events: list[Event]) -> None:
+    """No command is closed twice, none carried out anew, and no id names two orders."""
+    orders: dict[str, tuple[str, str, str | None]] = {}
+    for event in events:
+        for command in event.commands if isinstance(event, OrdersIssued) else ():
+            order = (command.robot, command.kind, command.location)
+            assert orders.setdefault(command.id, order) == order
+    reports = [event.report for event in events if isinstance(event, ReportAccepted)]
+    finished = [done.command for report in reports for done in report.finished]
+    closed = finished + [failed.command for report in reports for failed in report.failed]
+    assert len(closed) == len(set(closed))
+    deeds = [orders[command][1:] for command in finished]
+    deeds = [deed for deed in deeds if deed[0] in ("explore", "clear")]
+    assert len(deeds) == len(set(deeds))
+    sequences = [report.sequence for report in reports]
+    assert sequences == list(range(len(sequences)))
+
+
+def survives_kill_9(scenario: Path, folder: Path, kills: int, timeout_s: float) -> MissionRecord:
+    """Runs a scenario, kills its server when the mission is under way, starts it again."""
+    database = folder / "missions.sqlite"
+    with server(database) as running:
+        insist(f"{running.url}/healthz", "GET")
+        fleet = Fleet(scenario, running.url, folder)
+        fleet.wait_until_under_way()
+        for _ in range(kills):
+            running.kill_and_start()
+            insist(f"{running.url}/healthz", "GET")
+            time.sleep(0.3)
+        record = fleet.join(timeout_s)
+        (mission,) = insist(f"{running.url}/v1/missions", "GET").json()
+        detail = insist(f"{running.url}/v1/missions/{mission['id']}", "GET").json()
+    assert record.completed, record.status_reason
+    assert detail["status"] == "completed"
+    assert all(target["visited_by"] for target in detail["targets"])
+    assert {t["id"] for t in detail["targets"]} == {t.id for t in record.targets}
+    assert record.wall_collisions == record.robot_collisions == record.blockade_crossings == 0
+    restarts = [d for d in detail["decisions"] if "the service was started again" in d["reason"]]
+    assert len(restarts) >= 1
+    assert_nothing_twice(logged(database))
+    return record
+
+
+def test_simulated_robots_finish_their_mission_after_kill_9(tmp_path: Path, ward: Path) -> None:
+    record = survives_kill_9(ward, tmp_path, kills=1, timeout_s=120.0)
+    assert [blockade.cleared_by for blockade in record.blockades] == ["clearer_1"]
+
+
+@pytest.mark.slow
+def test_the_demo_mission_survives_kill_9(tmp_path: Path) -> None:
+    record = survives_kill_9(HOSPITAL, tmp_path, kills=3, timeout_s=600.0)
+    assert len(record.targets) == 15

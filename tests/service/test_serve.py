@@ -32,12 +32,12 @@ def command() -> typer.Typer:
 
 def test_it_refuses_to_listen_where_others_can_reach_it() -> None:
     result = CliRunner().invoke(command(), ["--host", "0.0.0.0"])
-    assert result.exit_code == 2
+    assert result.exit_code == 36
     assert "API key" in result.output
 
 
 def test_a_database_that_is_none_gets_a_sentence() -> None:
     result = CliRunner().invoke(command(), ["--db", "carrier-pigeon://coop"])
-    assert result.exit_code == 2
+    assert result.exit_code == 31
     assert "sqlite:///FILE" in result.output
     assert "Traceback" not in result.output
