@@ -362,9 +362,8 @@ class Mission:
         if fails:
             self._drop_command(robot.id)
             self._disturb()
-        if robot.state != "docked" and robot.arrived_at is not None:
-            if _apart(robot.pose, robot.arrival_pose):
-                robot.arrived_at = None
+        if robot.state != "docked" and _apart(robot.pose, robot.arrival_pose):
+            robot.arrived_at = None
 
     def _finish(self, robot_id: str, command_id: str, time_s: float) -> None:
         if command_id in self.closed:
