@@ -2,8 +2,8 @@
 ; Explorers visit mission targets; clearers remove blockades. There are four kinds of movement: to a
 ; mission target (explore) or elsewhere (move), from free space or from a cleared blockade.
 (define (domain disaster)
-  (:requirements :strips :typing :negative-preconditions :equality :durative-actions :numeric-fluents
-                 :timed-initial-literals)
+  (:requirements :strips :typing :negative-preconditions :equality :durative-actions
+    :numeric-fluents :timed-initial-literals)
 
   (:types
     robot location - object
@@ -23,10 +23,15 @@
 
   ; Geometry in the map frame, read by the attachments only [m, m/s, s].
   (:functions
-    (x ?l - location) (y ?l - location)
-    (x-from ?b - blockade) (y-from ?b - blockade) (x-to ?b - blockade) (y-to ?b - blockade)
+    (x ?l - location)
+    (y ?l - location)
+    (x-from ?b - blockade)
+    (y-from ?b - blockade)
+    (x-to ?b - blockade)
+    (y-to ?b - blockade)
     (clear-duration ?b - blockade)
-    (speed ?r - robot) (radius ?r - robot))
+    (speed ?r - robot)
+    (radius ?r - robot))
 
   (:durative-action move
     :parameters (?r - robot ?s - free_location ?g - location)
