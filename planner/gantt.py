@@ -10,6 +10,8 @@ from planner.plan import Plan, Step
 LANE_HEIGHT = 34
 BAR_HEIGHT = 22
 LEFT = 130
+CHARACTER_WIDTH = 7.1
+"""Of the widest usual font at 12 px; labels stay inside their bars."""
 WIDTH = 1100
 TOP = 44
 
@@ -86,7 +88,7 @@ def svg(plan: Plan, title: str | None = None) -> str:
     for index in range(int(span / distance + 1e-9) + 1):
         x = LEFT + index * distance * scale
         body.append(f'<line x1="{x:.1f}" y1="{TOP - 6}" x2="{x:.1f}" y2="{y}"/>')
-        body.append(f'<text class="tick" x="{x:.1f}" y="{TOP - 12}">{index * distance:g}</text>')
+        body.append(f'<text class="tick" x="{x:.1f}" y="{TOP - 12}">{index * distance:g} s</text>')
     heading = title or " / ".join(filter(None, (plan.domain, plan.problem))) or "plan"
     return "\n".join(
         (
@@ -107,7 +109,7 @@ def _bar(step: Step, x: float, y: float, scale: float) -> str:
     """One step; the label is cut to the width of its bar."""
     width = max((step.duration or 0.0) * scale, 2.0)
     text = " ".join((step.action, *step.arguments[1:]))
-    characters = int(width / 6.4)
+    characters = int((width - 8) / CHARACTER_WIDTH)
     label = text if len(text) <= characters else f"{text[: max(characters - 1, 0)]}…"
     duration = "" if step.duration is None else f" [{step.duration:g} s]"
     shown = f'<text x="{x + 4:.1f}" y="{y + 15}">{escape(label)}</text>' if characters > 2 else ""

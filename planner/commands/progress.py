@@ -1,5 +1,6 @@
 """What a user sees while the planner searches: one line that is rewritten, or one line a plan."""
 
+import os
 import sys
 import time
 from typing import TextIO
@@ -53,10 +54,12 @@ class Display:
             cost = self._best.makespan
             best = f"best {cost:.2f} s, gap {gap(cost, progress.lower_bound)}"
         self._clear()
-        self._stream.write(
-            f"{now - self._begun:5.1f} s  {progress.states:,} states, {self._rate:,.0f}/s  "
-            f"{self._plans} plans, {best}, bound {progress.lower_bound:.2f} s"
+        line = (
+            f"{now - self._begun:5.1f} s  {best}, bound {progress.lower_bound:.2f} s  "
+            f"{self._plans} plans, {progress.states:,} states, {self._rate:,.0f}/s"
         )
+        # A line that is broken in two cannot be rewritten.
+        self._stream.write(line[: _columns(self._stream) - 1])
         self._stream.flush()
 
     def close(self) -> None:
@@ -67,3 +70,11 @@ class Display:
     def _clear(self) -> None:
         if self._live:
             self._stream.write("\r\x1b[K")
+
+
+def _columns(stream: TextIO) -> int:
+    """Width of a terminal; 80 where it does not tell."""
+    try:
+        return os.get_terminal_size(stream.fileno()).columns or 80
+    except OSError:
+        return 80
