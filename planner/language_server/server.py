@@ -223,7 +223,7 @@ def _register_navigation(server: PddlServer) -> None:
         found = symbols.located(ls.family(params.text_document.uri))
         return [
             types.DocumentSymbol(
-                name=one.mention.name,
+                name=one.mention.text,
                 kind=SYMBOL_KINDS[one.mention.kind],
                 range=as_range(one.mention.declaration or one.mention.range),
                 selection_range=as_range(one.mention.range),
@@ -274,7 +274,7 @@ def _register_editing(server: PddlServer) -> None:
         _, here = ls.locate(params.text_document.uri, params.position)
         if here is None or here.symbol.name in {"object", "number"}:
             return None
-        return types.PrepareRenamePlaceholder(as_range(here.mention.range), here.mention.name)
+        return types.PrepareRenamePlaceholder(as_range(here.mention.range), here.mention.text)
 
     @server.feature(types.TEXT_DOCUMENT_FORMATTING)
     def formatting(

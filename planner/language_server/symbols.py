@@ -117,7 +117,8 @@ def _declaration(declared: Located | None, symbol: Symbol) -> str:
         return _head(text)
     if symbol.kind in {"type", "object", "variable"}:
         name, dash, types = text.rpartition(" - ")
-        return f"{symbol.name} - {types.strip()}" if dash and name else f"{symbol.name} - object"
+        shown = declared.mention.text
+        return f"{shown} - {types.strip()}" if dash and name else f"{shown} - object"
     return " ".join(text.split())
 
 

@@ -222,11 +222,20 @@ async def test_completion_symbols_and_formatting(session: Session) -> None:
     assert {"at", "free", "and", "not"} <= await offered(place(DOMAIN, "at ?r ?from"))
     with_call = DOMAIN.replace("(free ?to))", "[p])")
     await session.changed("domain.pddl", with_call)
-    assert await offered(place(with_call, "[p])", 2)) == {"pathcost"}
+    assert await offered(place(with_call, "[p])", 2)) == {"pathCost"}
 
     symbols = await client.text_document_document_symbol_async(types.DocumentSymbolParams(domain))
     assert symbols is not None
-    assert {"d", "robot", "home", "at", "pathcost", "go"} <= {one.name for one in symbols}
+    assert {"d", "robot", "home", "at", "pathCost", "go"} <= {one.name for one in symbols}
+
+    shouted = DOMAIN.replace("home", "Home").replace("?from ?to - place", "?From ?to - place")
+    await session.changed("domain.pddl", shouted)
+    assert {"?r", "?From", "Home"} <= await offered(place(shouted, "?from) (not"))
+    constant = place(shouted, "Home")
+    hover = await client.text_document_hover_async(types.HoverParams(domain, constant))
+    assert hover is not None
+    assert isinstance(hover.contents, types.MarkupContent)
+    assert "Home - place" in hover.contents.value
 
     ugly = DOMAIN.replace("\n  (:types", "    (:types")
     await session.changed("domain.pddl", ugly)

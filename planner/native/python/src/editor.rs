@@ -186,6 +186,8 @@ pub struct Mention {
     kind: &'static str,
     /// Lower-cased.
     name: String,
+    /// As it stands here.
+    text: String,
     /// Where.
     range: Range,
     /// Whether it is declared here.
@@ -202,6 +204,7 @@ fn mention(one: Occurrence, file: &SourceFile) -> Mention {
     Mention {
         kind: one.kind.word(),
         name: one.name,
+        text: file.slice(one.span).to_owned(),
         range: range(file, one.span),
         definition: one.definition,
         scope: one.scope,
@@ -252,17 +255,28 @@ pub fn completions(
     py.detach(|| {
         let file = SourceFile::new("", text);
         let domain = domain.map(|text| SourceFile::new("", text));
-        let (domain, problem) = models(domain.as_ref(), Some(&file));
+        let (mut domain_model, mut problem) = models(domain.as_ref(), Some(&file));
+        if let (Some(model), Some(source)) = (&mut domain_model, &domain) {
+            model.spell_as_in(source);
+            if let Some(problem) = &mut problem {
+                problem.spell_as_in(&file, model);
+            }
+        }
         let offset = file
             .lines()
             .offset_utf16(file.text(), Position { line, column });
-        analysis::completions(&Tree::new(&file), offset, domain.as_ref(), problem.as_ref())
-            .into_iter()
-            .map(|one| {
-                let kind = one.kind.map_or("keyword", |kind| kind.word());
-                (one.text, kind, one.detail)
-            })
-            .collect()
+        analysis::completions(
+            &Tree::new(&file),
+            offset,
+            domain_model.as_ref(),
+            problem.as_ref(),
+        )
+        .into_iter()
+        .map(|one| {
+            let kind = one.kind.map_or("keyword", |kind| kind.word());
+            (one.text, kind, one.detail)
+        })
+        .collect()
     })
 }
 

@@ -12,6 +12,7 @@ mod condition;
 mod declaration;
 mod ids;
 mod problem;
+mod spelling;
 
 pub use action::*;
 pub use condition::*;
