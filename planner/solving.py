@@ -1,8 +1,10 @@
 """Solves problems: the whole answer at once, or improving plans as they are found."""
 
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
 
 from planner import _core
 from planner._core import Problem
@@ -14,6 +16,15 @@ from planner.reading import DomainLike, InputError, ProblemLike, read_problem
 
 POLL_S = 0.1
 """How long to wait for the next plan before `on_progress` is called [s]."""
+SOLVED_UNTIL: Final[Mapping[str | None, Outcome]] = MappingProxyType(
+    {
+        "time": Outcome.SOLVED_TIMED_OUT,
+        "nodes": Outcome.SOLVED_OUT_OF_MEMORY,
+        "memory": Outcome.SOLVED_OUT_OF_MEMORY,
+        "cancelled": Outcome.SOLVED_CANCELLED,
+    }
+)
+"""What a plan and the limit that ended the search make together."""
 
 
 class UnsupportedError(PlannerError):
@@ -204,7 +215,7 @@ def improving_plans(
                 yield plan
             elif event.report is not None:
                 wall_s = time.monotonic() - begun
-                return _result(event.report, tuple(plans), wall_s, limits, cpu_timed_out)
+                return _result(event.report, tuple(plans), wall_s, cpu_timed_out)
             else:
                 raise _fault(event)
             if limits.cpu_timeout_s is not None and time.process_time() >= limits.cpu_timeout_s:
@@ -235,21 +246,16 @@ def _result(
     report: _core.Report,
     plans: tuple[Plan, ...],
     wall_s: float,
-    limits: Limits,
     cpu_timed_out: bool,
 ) -> Result:
     """The result, with the limit that ended the search in its outcome."""
     outcome = Outcome(report.outcome)
-    states = report.expansions + report.schedules
     if cpu_timed_out and outcome is Outcome.CANCELLED:
         outcome = Outcome.TIMED_OUT
-    elif plans and outcome is Outcome.SOLVED and not limits.first_plan_only:
-        if cpu_timed_out or (limits.timeout_s is not None and wall_s >= limits.timeout_s):
-            outcome = Outcome.SOLVED_TIMED_OUT
-        elif limits.node_limit is not None and states >= limits.node_limit:
-            outcome = Outcome.SOLVED_OUT_OF_MEMORY
-    elif not plans and outcome is Outcome.TIMED_OUT and _out_of_nodes(limits, states, wall_s):
-        outcome = Outcome.OUT_OF_NODES
+    elif outcome is Outcome.SOLVED:
+        # The CPU time is watched here and ends the search by cancelling it.
+        limit = "time" if cpu_timed_out and report.limit == "cancelled" else report.limit
+        outcome = SOLVED_UNTIL.get(limit, outcome)
     statistics = Statistics(
         report.expansions,
         report.evaluations,
@@ -261,9 +267,3 @@ def _result(
         time.process_time(),
     )
     return Result(outcome, plans, report.lower_bound, statistics)
-
-
-def _out_of_nodes(limits: Limits, states: int, wall_s: float) -> bool:
-    """Whether the node limit ended the search, not the clock."""
-    timed_out = limits.timeout_s is not None and wall_s >= limits.timeout_s
-    return limits.node_limit is not None and states >= limits.node_limit and not timed_out

@@ -4,6 +4,7 @@ import _thread
 import threading
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -244,6 +245,20 @@ def test_the_same_input_gives_the_same_plans() -> None:
     ]
     assert runs[0].plans == runs[1].plans
     assert runs[0].statistics.expansions == runs[1].statistics.expansions
+
+
+def test_the_limit_that_ended_the_search_shows_in_the_outcome() -> None:
+    def outcome(**limits: Any) -> Outcome:
+        return planner.solve(*hard_problem(), attachments=EASY, **limits).outcome
+
+    closed = WINDOW.problem.replace("(fragile c1)", "").replace("4 (open g)", "9 (open g)")
+    nothing = planner.solve(WINDOW.domain, closed, node_limit=10, timeout_s=600.0)
+    assert nothing.outcome is Outcome.OUT_OF_NODES
+    assert outcome(node_limit=2000, timeout_s=600.0) is Outcome.SOLVED_OUT_OF_MEMORY
+    # The clock alone does not make it the time limit: the nodes ran out long before.
+    assert outcome(node_limit=2000, timeout_s=None) is Outcome.SOLVED_OUT_OF_MEMORY
+    assert outcome(timeout_s=0.3) is Outcome.SOLVED_TIMED_OUT
+    assert outcome(first_plan_only=True) is Outcome.SOLVED
 
 
 def test_a_problem_without_plan_is_an_outcome() -> None:

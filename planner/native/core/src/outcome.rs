@@ -1,5 +1,18 @@
 //! How a planning run ended.
 
+/// Which limit ended a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Limit {
+    /// Wall-clock time.
+    Time,
+    /// Expansions and lists tried.
+    Nodes,
+    /// Memory.
+    Memory,
+    /// None of its own: somebody asked it to stop.
+    Cancelled,
+}
+
 /// Outcomes are values; faults (attachment errors, bad input) are errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
@@ -13,8 +26,24 @@ pub enum Outcome {
     Exhausted,
     /// The time limit was reached without a plan.
     TimedOut,
+    /// The node limit was reached without a plan.
+    OutOfNodes,
     /// The memory limit was reached without a plan.
     OutOfMemory,
     /// Somebody stopped the search before it had a plan.
     Cancelled,
+}
+
+impl Outcome {
+    /// The limit that it says was reached.
+    #[must_use]
+    pub const fn limit(self) -> Option<Limit> {
+        match self {
+            Self::TimedOut => Some(Limit::Time),
+            Self::OutOfNodes => Some(Limit::Nodes),
+            Self::OutOfMemory => Some(Limit::Memory),
+            Self::Cancelled => Some(Limit::Cancelled),
+            Self::SolvedOptimally | Self::Solved | Self::ProvenUnsolvable | Self::Exhausted => None,
+        }
+    }
 }

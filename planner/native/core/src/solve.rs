@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::attachment::{AttachmentError, Attachments};
 use crate::grounding::{GroundingError, GroundingLimits, ground};
-use crate::outcome::Outcome;
+use crate::outcome::{Limit, Outcome};
 use crate::pddl::model::{Domain, Problem};
 use crate::plan::Plan;
 use crate::portfolio;
@@ -67,6 +67,8 @@ pub struct FoundPlan {
 pub struct SolveReport {
     /// How it ended.
     pub outcome: Outcome,
+    /// The limit that ended it, with a plan or without.
+    pub limit: Option<Limit>,
     /// Improving plans, the best last.
     pub plans: Vec<FoundPlan>,
     /// No plan has a smaller makespan (metric value) than this; 0 if nothing is known.
@@ -148,6 +150,7 @@ pub fn solve_task(
 fn empty(outcome: Outcome, begun: Instant) -> SolveReport {
     SolveReport {
         outcome,
+        limit: outcome.limit(),
         plans: Vec::new(),
         lower_bound: 0.0,
         expansions: 0,

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use planner_core::outcome::Outcome;
+use planner_core::outcome::{Limit, Outcome};
 use planner_core::pddl::model;
 use planner_core::plan::Plan;
 use planner_core::progress::Progress;
@@ -58,6 +58,8 @@ pub struct Event {
 #[derive(Clone)]
 pub struct Report {
     outcome: &'static str,
+    /// `time`, `nodes`, `memory` or `cancelled`: what ended it before it was done.
+    limit: Option<&'static str>,
     lower_bound: f64,
     expansions: u64,
     evaluations: u64,
@@ -289,9 +291,16 @@ impl From<&SolveReport> for Report {
                 Outcome::ProvenUnsolvable => "proven_unsolvable",
                 Outcome::Exhausted => "exhausted",
                 Outcome::TimedOut => "timed_out",
+                Outcome::OutOfNodes => "out_of_nodes",
                 Outcome::OutOfMemory => "out_of_memory",
                 Outcome::Cancelled => "cancelled",
             },
+            limit: report.limit.map(|limit| match limit {
+                Limit::Time => "time",
+                Limit::Nodes => "nodes",
+                Limit::Memory => "memory",
+                Limit::Cancelled => "cancelled",
+            }),
             lower_bound: report.lower_bound,
             expansions: report.expansions,
             evaluations: report.evaluations,

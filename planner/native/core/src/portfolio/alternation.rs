@@ -38,6 +38,8 @@ pub(super) fn run(
     let mut search = setting.search(&calls, setting.options.seed);
     let mut optimiser = optimiser;
     let mut epoch_open = true;
+    // How the decision-epoch search ended.
+    let mut epoch_ended = Outcome::Exhausted;
     let mut turn = 0_u32;
     let mut adopt: Vec<_> = warm.to_vec();
     // Where one action has to start inside another, the list-schedule search is the second choice.
@@ -128,12 +130,14 @@ pub(super) fn run(
                         if settled || optimiser.is_none() {
                             return Ok(outcome);
                         }
+                        epoch_ended = outcome;
                         epoch_open = false;
                     }
                     Status::MemoryFull => {
                         if optimiser.is_none() {
                             return Ok(Outcome::OutOfMemory);
                         }
+                        epoch_ended = Outcome::OutOfMemory;
                         epoch_open = false;
                         // Gives the memory back.
                         search = setting.search(&calls, setting.options.seed);
@@ -152,7 +156,7 @@ pub(super) fn run(
                 break;
             }
         } else if optimiser.is_none() {
-            return Ok(Outcome::OutOfMemory);
+            return Ok(epoch_ended);
         }
         if let Some(outcome) = setting.over(incumbent, search.statistics.expansions) {
             break Ok(outcome);

@@ -114,6 +114,7 @@ impl<'a> Incumbent<'a> {
 
     /// Notes how the search ended; exhausting the space may have raised the lower bound.
     pub fn close(&mut self, outcome: Outcome) {
+        self.report.limit = outcome.limit();
         self.report.outcome = match outcome {
             Outcome::SolvedOptimally => {
                 let proved = self.bound() - self.slack();

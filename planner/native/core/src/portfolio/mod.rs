@@ -109,7 +109,7 @@ impl<'a> Setting<'a> {
         }
         let nodes = expansions + incumbent.report.schedules;
         if self.options.node_limit.is_some_and(|limit| nodes >= limit) {
-            return Some(Outcome::TimedOut);
+            return Some(Outcome::OutOfNodes);
         }
         self.interrupted()
     }
