@@ -141,3 +141,143 @@ fn an_attachment_is_assumed_to_help() {
         assert_eq!(findings(&domain, PROBLEM), [""; 0]);
     }
 }
+
+#[test]
+fn computed_durations_are_found_where_a_problem_makes_them_impossible() {
+    let bound = "(= ?duration (- (/ (distance ?a ?b) (speed)) (delay)))";
+    let domain = DOMAIN
+        .replace(
+            "(:functions (distance ?a ?b - place))",
+            "(:functions (distance ?a ?b - place) (speed) (delay))",
+        )
+        .replace(
+            ":numeric-fluents",
+            ":numeric-fluents :equality :negative-preconditions",
+        )
+        .replace("(= ?duration (distance ?a ?b))", bound);
+    let with = |domain: &str, values: &str| {
+        findings(domain, &PROBLEM.replace("(= (distance a b) 3)", values))
+    };
+    let values = "(= (distance a b) 8) (= (distance b a) 4)";
+    let one_way = [format!("PDDL088 {bound}")];
+    let fine = format!("{values} (= (speed) 2) (= (delay) 1)");
+    assert_eq!(with(&domain, &fine), [""; 0]);
+    let late = format!("{values} (= (speed) 2) (= (delay) 3)");
+    assert_eq!(with(&domain, &late), one_way);
+    let still = format!("{values} (= (speed) 0) (= (delay) 1)");
+    assert_eq!(
+        with(&domain, &still),
+        [
+            "PDDL091 go",
+            &format!("PDDL094 {bound}"),
+            "PDDL092 (at r b)",
+            "PDDL092 (seen b)"
+        ]
+    );
+    // What a condition excludes is no fault.
+    let on_the_spot = format!("{fine} (= (distance b b) 1)");
+    assert_eq!(with(&domain, &on_the_spot), one_way);
+    let excluding = domain.replace(
+        "(and (at start (at ?r ?a))",
+        "(and (at start (at ?r ?a)) (at start (not (= ?a ?b)))",
+    );
+    assert_eq!(with(&excluding, &on_the_spot), [""; 0]);
+}
+
+/// Findings with another goal, in a problem with a second robot `s` that stands in `a`, and a
+/// place `c` that no road leads to.
+fn with_goal(goal: &str) -> Vec<String> {
+    let domain = DOMAIN.replace(
+        ":numeric-fluents",
+        ":numeric-fluents :negative-preconditions :equality :universal-preconditions \
+         :existential-preconditions :disjunctive-preconditions",
+    );
+    let problem = PROBLEM
+        .replace("r - robot a b - place", "r s - robot a b c - place")
+        .replace("(at r a)", "(at r a) (at s a) (seen a)")
+        .replace("(and (at r b) (seen b))", goal);
+    let mut found = findings(&domain, &problem);
+    found.retain(|one| one.starts_with("PDDL09"));
+    found
+}
+
+#[test]
+fn quantified_and_negative_goals_are_examined() {
+    for fine in [
+        "(forall (?r - robot) (at ?r b))",
+        "(exists (?p - place) (and (seen ?p) (not (= ?p a))))",
+        "(not (at r a))",
+        "(not (seen b))",
+        "(imply (seen c) (at r c))",
+        "(forall (?p - place) (or (= ?p c) (seen ?p)))",
+        "(or (seen c) (at r b))",
+    ] {
+        assert_eq!(with_goal(fine), [""; 0], "{fine}");
+    }
+    for (goal, place) in [
+        ("(forall (?p - place) (seen ?p))", "(seen ?p)"),
+        ("(exists (?r - robot) (at ?r c))", "(at ?r c)"),
+        ("(not (seen a))", "(seen a)"),
+        ("(forall (?p - place) (not (seen ?p)))", "(seen ?p)"),
+        ("(imply (seen a) (seen c))", "(seen c)"),
+        (
+            "(exists (?r ?s - robot) (and (= ?r ?s) (at ?r c)))",
+            "(at ?r c)",
+        ),
+        ("(not (exists (?p - place) (seen ?p)))", "(seen ?p)"),
+    ] {
+        let found = with_goal(goal);
+        assert!(
+            found.contains(&format!("PDDL092 {place}")),
+            "{goal}: {found:?}"
+        );
+        assert!(
+            found.iter().all(|one| one.starts_with("PDDL092")),
+            "{goal}: {found:?}"
+        );
+    }
+    let nobody = "(exists (?p - place) (and (= ?p a) (= ?p b)))";
+    assert_eq!(with_goal(nobody), [format!("PDDL092 {nobody}")]);
+}
+
+#[test]
+fn a_quantified_goal_names_the_missing_fact() {
+    let domain = SourceFile::new("d.pddl", DOMAIN);
+    let text = PROBLEM
+        .replace("a b - place", "a b c - place")
+        .replace("(seen b)", "(forall (?p - place) (seen ?p))");
+    let problem = SourceFile::new("p.pddl", text.as_str());
+    let found = check_files(&domain, &[&problem], None);
+    let goal: Vec<&str> = found[1]
+        .iter()
+        .filter(|one| one.code.number() == 92)
+        .map(|one| one.message.as_str())
+        .collect();
+    assert_eq!(
+        goal,
+        ["`(seen c)` can never become true: the goal is out of reach"]
+    );
+}
+
+#[test]
+fn a_problem_too_large_to_be_examined_says_so() {
+    let action = "(:action tie :parameters (?a - robot ?b ?c ?d ?e ?f ?g ?h)   :precondition (busy ?a) \
+                  :effect (knot ?a ?b ?c ?d ?e ?f ?g ?h)))";
+    let domain = DOMAIN
+        .replace(
+            "(busy ?r - robot))",
+            "(busy ?r - robot) (knot ?a ?b ?c ?d ?e ?f ?g ?h))",
+        )
+        .trim_end()
+        .strip_suffix(')')
+        .unwrap()
+        .to_owned()
+        + action;
+    let names: Vec<String> = (0..40).map(|index| format!("o{index}")).collect();
+    let problem = PROBLEM
+        .replace("a b - place", &format!("a b {} - place", names.join(" ")))
+        .replace("(seen b)", "(seen b) (knot r a a a a a a a)");
+    let mut found = findings(&domain, &problem);
+    found.retain(|one| one.starts_with("PDDL09"));
+    assert_eq!(found, ["PDDL095 x"]);
+}

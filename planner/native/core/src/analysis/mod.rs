@@ -5,12 +5,14 @@
 //! invariants   over-all conditions against own effects
 //! durations    zero, negative, infinite
 //! providers    modules that nobody computes
-//! relaxation   delete relaxation of each problem        -> actions that never apply, unreachable goals
+//! relaxation   delete relaxation of each problem        -> actions that never apply, impossible durations
+//! goals        what that relaxation never reaches       -> unreachable goals
 //! ```
 
 mod completion;
 mod durations;
 mod files;
+mod goals;
 mod invariants;
 mod occurrence;
 mod providers;

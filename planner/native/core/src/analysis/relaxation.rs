@@ -1,16 +1,17 @@
-//! What the delete relaxation of a problem never reaches: actions and goals.
+//! What the delete relaxation of a problem shows: actions that never apply, durations that no time has.
 
 use std::time::{Duration, Instant};
 
 use super::Subject;
+use super::goals;
 use crate::attachment::{Arguments, Attachments, Purity, StateView};
-use crate::grounding::{GroundingLimits, Relaxation};
+use crate::grounding::{GroundingError, GroundingLimits, Relaxation};
 use crate::pddl::model::{
-    Action, ActionId, Atom, Condition, ConditionKind, Domain, ModuleId, ObjectId, PredicateId,
-    Problem, Term, TypeId,
+    Action, ActionId, Atom, Condition, ConditionKind, Domain, ExpressionKind, ModuleId, ObjectId,
+    Problem, TypeId,
 };
 use crate::syntax::code::Code;
-use crate::syntax::diagnostic::{Diagnostic, Diagnostics, Place};
+use crate::syntax::diagnostic::{Diagnostic, Diagnostics};
 
 /// Time spent on one problem: an author waits for it.
 const TIME: Duration = Duration::from_secs(3);
@@ -45,8 +46,8 @@ impl Attachments for Favourable {
     }
 }
 
-/// Reports actions that apply in no problem, and goals out of reach. Problems that are too large
-/// to be looked through in a few seconds are passed over.
+/// Reports actions that apply in no problem, impossible durations, and goals out of reach. Of
+/// problems that are too large to be looked through in a few seconds it says so.
 pub(super) fn check(subject: &Subject<'_>, domain: &mut Diagnostics, problems: &mut [Diagnostics]) {
     let mut relaxations = Vec::new();
     for (problem, found) in subject.problems.iter().zip(problems) {
@@ -56,8 +57,9 @@ pub(super) fn check(subject: &Subject<'_>, domain: &mut Diagnostics, problems: &
             ..GroundingLimits::default()
         };
         let relaxation = Relaxation::new(subject.domain, problem, &Favourable, &limits);
-        if let Ok(relaxation) = &relaxation {
-            goal(subject.domain, problem, relaxation, &problem.goal, found);
+        match &relaxation {
+            Ok(relaxation) => goals::check(subject.domain, problem, relaxation, found),
+            Err(error) => found.push(stopped(problem, error)),
         }
         relaxations.push(relaxation.ok());
     }
@@ -75,19 +77,90 @@ pub(super) fn check(subject: &Subject<'_>, domain: &mut Diagnostics, problems: &
                 break;
             }
         }
+        for (relaxation, problem) in known.iter().zip(subject.problems) {
+            if let Some(found) = impossible_duration(action, id, relaxation, problem) {
+                domain.push(found);
+                break;
+            }
+        }
     }
+}
+
+fn stopped(problem: &Problem, error: &GroundingError) -> Diagnostic {
+    let reason = match error {
+        GroundingError::TimedOut => format!("it took longer than {} s", TIME.as_secs()),
+        GroundingError::TooManyOperators { limit } => {
+            format!("it has more than {limit} ground actions, or ten times as many candidates")
+        }
+        other => other.to_string(),
+    };
+    Diagnostic::new(
+        Code::NotExamined,
+        problem.name.span,
+        format!(
+            "`{}` was not searched for actions that never apply and goals out of reach: {reason}",
+            problem.name.text
+        ),
+    )
+    .label("only partly checked")
+    .remedy("check the domain with a smaller problem, too")
+}
+
+fn ground_action(action: &Action, problem: &Problem, arguments: &[ObjectId]) -> String {
+    let mut text = action.name.text.clone();
+    for object in arguments {
+        text.push(' ');
+        text.push_str(&problem.objects[object.index()].name.text);
+    }
+    text
+}
+
+/// A computed duration that is negative or not finite; one that stands in the problem as it is
+/// gets reported there.
+fn impossible_duration(
+    action: &Action,
+    id: ActionId,
+    relaxation: &Relaxation,
+    problem: &Problem,
+) -> Option<Diagnostic> {
+    let (arguments, constraint, value_s) = relaxation.impossible_duration(id)?;
+    let constraint = action.duration.as_ref()?.get(constraint)?;
+    if matches!(
+        constraint.bound.kind,
+        ExpressionKind::Fluent(_) | ExpressionKind::Number(_)
+    ) {
+        return None;
+    }
+    let called = ground_action(action, problem, arguments);
+    let (code, message, remedy) = if value_s < 0.0 && value_s.is_finite() {
+        (
+            Code::NegativeDuration,
+            format!("`({called})` would last {value_s} s"),
+            "durations are numbers of seconds from 0 on",
+        )
+    } else {
+        (
+            Code::InfiniteDuration,
+            format!("the duration of `({called})` has no finite value"),
+            "exclude a divisor of 0 by a condition, or mend the value in the problem",
+        )
+    };
+    Some(
+        Diagnostic::new(code, constraint.span, message)
+            .label(format!("{value_s} in problem `{}`", problem.name.text))
+            .remedy(remedy),
+    )
 }
 
 fn takes_no_time(action: &Action, problem: &Problem, arguments: &[ObjectId]) -> Diagnostic {
     let constraint = action.duration.as_ref().and_then(|list| list.first());
-    let names: Vec<&str> = arguments
-        .iter()
-        .map(|object| problem.objects[object.index()].name.text.as_str())
-        .collect();
     Diagnostic::new(
         Code::ZeroDuration,
         constraint.map_or(action.name.span, |constraint| constraint.span),
-        format!("`({} {})` takes no time", action.name.text, names.join(" ")),
+        format!(
+            "`({})` takes no time",
+            ground_action(action, problem, arguments)
+        ),
     )
     .label(format!("0 s in problem `{}`", problem.name.text))
     .remedy("exclude such arguments by a condition, or give them a duration")
@@ -155,110 +228,4 @@ fn positive_atoms<'m>(condition: &'m Condition, found: &mut Vec<&'m Atom>) {
         ConditionKind::Atom(atom) => found.push(atom),
         _ => {}
     }
-}
-
-/// Reports ground atoms of a goal that the relaxation does not reach.
-fn goal(
-    domain: &Domain,
-    problem: &Problem,
-    relaxation: &Relaxation,
-    condition: &Condition,
-    found: &mut Diagnostics,
-) {
-    match &condition.kind {
-        ConditionKind::And(parts) => {
-            for part in parts {
-                goal(domain, problem, relaxation, part, found);
-            }
-        }
-        ConditionKind::Atom(atom) if !reaches(relaxation, atom) => {
-            found.push(unreachable(domain, problem, relaxation, atom));
-        }
-        ConditionKind::Or(parts) => {
-            let mut missing = Vec::new();
-            for part in parts {
-                match &part.kind {
-                    ConditionKind::Atom(atom) if !reaches(relaxation, atom) => missing.push(atom),
-                    _ => return,
-                }
-            }
-            for atom in missing {
-                found.push(unreachable(domain, problem, relaxation, atom));
-            }
-        }
-        _ => {}
-    }
-}
-
-fn reaches(relaxation: &Relaxation, atom: &Atom) -> bool {
-    let arguments: Option<Vec<ObjectId>> = atom
-        .arguments
-        .iter()
-        .map(|term| match term {
-            Term::Object(object) => Some(*object),
-            Term::Variable(_) => None,
-        })
-        .collect();
-    arguments.is_none_or(|arguments| relaxation.reaches(atom.predicate, &arguments))
-}
-
-fn unreachable(
-    domain: &Domain,
-    problem: &Problem,
-    relaxation: &Relaxation,
-    atom: &Atom,
-) -> Diagnostic {
-    let mut fact = domain.predicates[atom.predicate.index()].name.text.clone();
-    for term in &atom.arguments {
-        if let Term::Object(object) = term {
-            fact.push(' ');
-            fact.push_str(&problem.objects[object.index()].name.text);
-        }
-    }
-    let diagnostic = Diagnostic::new(
-        Code::UnreachableGoal,
-        atom.span,
-        format!("`({fact})` can never become true: the goal is out of reach"),
-    )
-    .label("no sequence of actions leads here");
-    let makers: Vec<(usize, &Action)> = domain
-        .actions
-        .iter()
-        .enumerate()
-        .filter(|(_, action)| adds(action, atom.predicate))
-        .collect();
-    if makers.is_empty() {
-        let declared = &domain.predicates[atom.predicate.index()].name;
-        return diagnostic
-            .note_at(Place::Domain, declared.span, "no action makes it true")
-            .remedy("add an effect that makes it true, or put the fact into (:init ...)");
-    }
-    let (index, action) = makers[0];
-    let applies = relaxation.applications(ActionId(index as u32)) > 0;
-    let text = if applies {
-        format!(
-            "`{}` makes such facts true, but not this one",
-            action.name.text
-        )
-    } else {
-        format!(
-            "`{}` would make it true, but can never apply",
-            action.name.text
-        )
-    };
-    diagnostic
-        .note_at(Place::Domain, action.name.span, text)
-        .remedy("check the initial facts that its conditions need")
-}
-
-fn adds(action: &Action, predicate: PredicateId) -> bool {
-    let mut found = false;
-    for (_, effect) in &action.effects {
-        super::walk::effect(effect, &mut |mention| {
-            if let super::walk::Mention::Add(atom) = mention {
-                found |= atom.predicate == predicate;
-            }
-        });
-    }
-    found
 }

@@ -23,12 +23,12 @@ pub(super) struct Trigger<'a> {
 }
 
 /// Calls `emit` with the arguments of every instantiation that the trigger completes, or, without
-/// one, of every instantiation over the atoms in the relations.
+/// one, of every instantiation over the atoms in the relations, until `emit` says false.
 pub(super) fn instantiate(
     schema: &Schema<'_>,
     relations: &[Relation],
     trigger: Option<Trigger<'_>>,
-    emit: &mut dyn FnMut(&[ObjectId]),
+    emit: &mut dyn FnMut(&[ObjectId]) -> bool,
 ) {
     let mut join = Join {
         schema,
@@ -36,6 +36,7 @@ pub(super) fn instantiate(
         trigger: trigger.map(|t| (t.position, t.sequence)),
         bindings: vec![UNBOUND; schema.parameters.len()],
         done: vec![false; schema.join.len()],
+        stopped: false,
         emit,
     };
     if let Some(trigger) = trigger {
@@ -55,7 +56,8 @@ struct Join<'a, 'b> {
     trigger: Option<(usize, u32)>,
     bindings: Vec<ObjectId>,
     done: Vec<bool>,
-    emit: &'a mut dyn FnMut(&[ObjectId]),
+    stopped: bool,
+    emit: &'a mut dyn FnMut(&[ObjectId]) -> bool,
 }
 
 impl Join<'_, '_> {
@@ -111,7 +113,7 @@ impl Join<'_, '_> {
     }
 
     fn extend(&mut self) {
-        if !self.equalities_hold() {
+        if self.stopped || !self.equalities_hold() {
             return;
         }
         let Some(position) = self.cheapest() else {
@@ -145,7 +147,7 @@ impl Join<'_, '_> {
         } else {
             let mut bound = Vec::new();
             let mut visit = |join: &mut Self, row: u32| {
-                if relation.sequence(row) > newest {
+                if join.stopped || relation.sequence(row) > newest {
                     return false;
                 }
                 if join.unify(atom, relation.tuple(row), &mut bound) {
@@ -205,7 +207,7 @@ impl Join<'_, '_> {
     fn enumerate(&mut self, variable: usize) {
         if variable == self.bindings.len() {
             if self.equalities_hold() {
-                (self.emit)(&self.bindings);
+                self.stopped = !(self.emit)(&self.bindings);
             }
             return;
         }
@@ -216,7 +218,7 @@ impl Join<'_, '_> {
         let schema = self.schema;
         for &object in &schema.candidates[variable] {
             self.bindings[variable] = object;
-            if self.equalities_hold() {
+            if !self.stopped && self.equalities_hold() {
                 self.enumerate(variable + 1);
             }
         }

@@ -35,6 +35,55 @@ pub(super) struct Reached<'b> {
     pub(super) symbols: Symbols,
     pub(super) costs: Costs<'b>,
     pub(super) instances: Vec<Instance>,
+    /// By action, the first arguments that all conditions allow and that give a duration below
+    /// zero or without a finite value.
+    pub(super) impossible: Vec<Option<ImpossibleDuration>>,
+}
+
+/// Arguments whose duration is no time that can pass.
+pub(super) struct ImpossibleDuration {
+    pub(super) arguments: Box<[ObjectId]>,
+    /// Index of the duration constraint.
+    pub(super) constraint: usize,
+    /// Negative, infinite or not a number [s].
+    pub(super) value_s: f64,
+}
+
+/// Instantiations whose conditions and costs are still to be looked at.
+struct Candidates<'l> {
+    list: Vec<(u32, Box<[ObjectId]>)>,
+    limits: &'l GroundingLimits<'l>,
+    stopped: Option<GroundingError>,
+}
+
+impl<'l> Candidates<'l> {
+    /// Candidates allowed for every ground action allowed: most of them may turn out not to apply.
+    const PER_OPERATOR: usize = 10;
+
+    fn new(limits: &'l GroundingLimits<'l>) -> Self {
+        Self {
+            list: Vec::new(),
+            limits,
+            stopped: None,
+        }
+    }
+
+    /// False if the limits are reached.
+    fn add(&mut self, schema: u32, arguments: &[ObjectId]) -> bool {
+        self.list.push((schema, arguments.into()));
+        if self.list.len().is_multiple_of(1024) {
+            self.stopped = self.limits.check().err();
+        }
+        let limit = self.limits.operators;
+        if self.list.len() > limit.saturating_mul(Self::PER_OPERATOR) {
+            self.stopped = Some(GroundingError::TooManyOperators { limit });
+        }
+        self.stopped.is_none()
+    }
+
+    fn fault(&mut self) -> Result<(), GroundingError> {
+        self.stopped.take().map_or(Ok(()), Err)
+    }
 }
 
 struct Conditional {
@@ -58,20 +107,21 @@ pub(super) fn reach<'b>(
     limits: &GroundingLimits<'_>,
 ) -> Result<Reached<'b>, GroundingError> {
     let mut exploration = Exploration::new(world, attachments);
-    let mut candidates = exploration.without_changing_conditions();
+    let mut candidates = Candidates::new(limits);
+    exploration.without_changing_conditions(&mut candidates)?;
     let mut head = 0;
     loop {
         while head < exploration.queue.len() {
             if head.is_multiple_of(256) {
                 limits.check()?;
             }
-            exploration.join_atom(head, &mut candidates);
+            exploration.join_atom(head, &mut candidates)?;
             head += 1;
         }
-        if candidates.is_empty() && !exploration.wake() {
+        if candidates.list.is_empty() && !exploration.wake() {
             break;
         }
-        exploration.admit(std::mem::take(&mut candidates))?;
+        exploration.admit(std::mem::take(&mut candidates.list), limits)?;
         if exploration.found.instances.len() > limits.operators {
             return Err(GroundingError::TooManyOperators {
                 limit: limits.operators,
@@ -104,6 +154,7 @@ impl<'a, 'b> Exploration<'a, 'b> {
                 symbols: Symbols::default(),
                 costs: Costs::new(world, attachments),
                 instances: Vec::new(),
+                impossible: world.domain.actions.iter().map(|_| None).collect(),
             },
             queue: Vec::new(),
             waiting: Vec::new(),
@@ -134,8 +185,10 @@ impl<'a, 'b> Exploration<'a, 'b> {
     }
 
     /// Instantiations of the schemas that need no atom of a changing predicate.
-    fn without_changing_conditions(&self) -> Vec<(u32, Box<[ObjectId]>)> {
-        let mut candidates = Vec::new();
+    fn without_changing_conditions(
+        &self,
+        candidates: &mut Candidates<'_>,
+    ) -> Result<(), GroundingError> {
         for (index, schema) in self.found.schemas.iter().enumerate() {
             let changing = |p: usize| self.world.changing_predicate[p];
             if schema
@@ -146,13 +199,17 @@ impl<'a, 'b> Exploration<'a, 'b> {
                 continue;
             }
             instantiate(schema, &self.found.relations, None, &mut |arguments| {
-                candidates.push((index as u32, arguments.into()));
+                candidates.add(index as u32, arguments)
             });
         }
-        candidates
+        candidates.fault()
     }
 
-    fn join_atom(&self, head: usize, candidates: &mut Vec<(u32, Box<[ObjectId]>)>) {
+    fn join_atom(
+        &self,
+        head: usize,
+        candidates: &mut Candidates<'_>,
+    ) -> Result<(), GroundingError> {
         let (predicate, tuple) = &self.queue[head];
         for (index, schema) in self.found.schemas.iter().enumerate() {
             for (position, atom) in schema.join.iter().enumerate() {
@@ -168,19 +225,27 @@ impl<'a, 'b> Exploration<'a, 'b> {
                     schema,
                     &self.found.relations,
                     Some(trigger),
-                    &mut |arguments| candidates.push((index as u32, arguments.into())),
+                    &mut |arguments| candidates.add(index as u32, arguments),
                 );
             }
         }
+        candidates.fault()
     }
 
     /// Evaluates static conditions, durations and attachments; twice, because the first pass only
     /// collects the calls whose values are missing.
-    fn admit(&mut self, candidates: Vec<(u32, Box<[ObjectId]>)>) -> Result<(), GroundingError> {
+    fn admit(
+        &mut self,
+        candidates: Vec<(u32, Box<[ObjectId]>)>,
+        limits: &GroundingLimits<'_>,
+    ) -> Result<(), GroundingError> {
         let mut open = candidates;
         while !open.is_empty() {
             let mut later = Vec::new();
-            for (schema, arguments) in open {
+            for (index, (schema, arguments)) in open.into_iter().enumerate() {
+                if index.is_multiple_of(1024) {
+                    limits.check()?;
+                }
                 let (incomplete, verdict) = self.examine(schema, &arguments);
                 if incomplete && verdict.is_some() {
                     later.push((schema, arguments));
@@ -211,6 +276,7 @@ impl<'a, 'b> Exploration<'a, 'b> {
             relations,
             symbols,
             costs,
+            impossible,
             ..
         } = &mut self.found;
         let schema = &schemas[schema as usize];
@@ -226,10 +292,27 @@ impl<'a, 'b> Exploration<'a, 'b> {
         };
         let mut bindings = arguments.to_vec();
         let mut duration = None;
-        if let Origin::Action(_, definition) = schema.origin {
+        if let Origin::Action(index, definition) = schema.origin {
             match action_duration(&mut instantiation, definition, &bindings) {
                 Ok(found) => duration = found,
-                Err(()) => return (false, None),
+                Err(()) => {
+                    let first = &mut impossible[index as usize];
+                    if first.is_none()
+                        && let Some((constraint, value_s)) =
+                            impossible_duration(world, definition, &bindings)
+                        && schema.rest.iter().all(|condition| {
+                            instantiation.condition(condition, true, &mut bindings)
+                                != Formula::False
+                        })
+                    {
+                        *first = Some(ImpossibleDuration {
+                            arguments: arguments.into(),
+                            constraint,
+                            value_s,
+                        });
+                    }
+                    return (false, None);
+                }
             }
             if let Some(Duration::Fixed(value)) = duration {
                 instantiation.duration = Some(value);
@@ -414,6 +497,27 @@ pub(super) fn instance_name(
 }
 
 /// The duration of an instance; `Err` if it has none (undefined, infinite, negative, empty interval).
+/// The duration constraint that allows no finite time from 0 on, and its value, where static
+/// fluents alone tell.
+fn impossible_duration(
+    world: &World<'_>,
+    action: &Action,
+    bindings: &[ObjectId],
+) -> Option<(usize, f64)> {
+    let constraints = action.duration.iter().flatten().enumerate();
+    constraints
+        .filter(|(_, one)| {
+            !matches!(
+                one.comparison,
+                Comparison::Greater | Comparison::GreaterEqual
+            )
+        })
+        .find_map(|(index, one)| {
+            let value_s = world.static_value(&one.bound, bindings)?;
+            (value_s < 0.0 || !value_s.is_finite()).then_some((index, value_s))
+        })
+}
+
 fn action_duration(
     instantiation: &mut Instantiation<'_, '_>,
     action: &Action,

@@ -4,7 +4,7 @@ use crate::attachment::Attachments;
 use crate::pddl::model::{ActionId, Domain, ObjectId, PredicateId, Problem};
 use crate::task::Duration;
 
-use super::reachability::reach;
+use super::reachability::{ImpossibleDuration, reach};
 use super::relation::Relation;
 use super::schema::Origin;
 use super::world::World;
@@ -15,6 +15,7 @@ pub struct Relaxation {
     relations: Vec<Relation>,
     applications: Vec<usize>,
     instantaneous: Vec<Option<Box<[ObjectId]>>>,
+    impossible: Vec<Option<ImpossibleDuration>>,
 }
 
 impl Relaxation {
@@ -46,6 +47,7 @@ impl Relaxation {
             relations: reached.relations,
             applications,
             instantaneous,
+            impossible: reached.impossible,
         })
     }
 
@@ -71,5 +73,13 @@ impl Relaxation {
     #[must_use]
     pub fn without_duration(&self, action: ActionId) -> Option<&[ObjectId]> {
         self.instantaneous[action.index()].as_deref()
+    }
+
+    /// Arguments of the first instance of a durative action whose duration is negative, infinite or
+    /// no number although its conditions can hold; the constraint's index and its value [s].
+    #[must_use]
+    pub fn impossible_duration(&self, action: ActionId) -> Option<(&[ObjectId], usize, f64)> {
+        let one = self.impossible[action.index()].as_ref()?;
+        Some((&one.arguments, one.constraint, one.value_s))
     }
 }

@@ -3,7 +3,8 @@
 use rustc_hash::FxHashMap;
 
 use crate::pddl::model::{
-    Domain, Effect, EffectKind, FunctionId, ObjectId, Parameter, Problem, Term, TimedChange, TypeId,
+    Domain, Effect, EffectKind, Expression, ExpressionKind, FunctionId, ObjectId, Parameter,
+    Problem, Term, TimedChange, TypeId,
 };
 
 /// The domain and problem with the tables that grounding looks things up in.
@@ -88,6 +89,27 @@ impl<'a> World<'a> {
             .map(ObjectId)
             .filter(|&object| self.admits(parameter, object))
             .collect()
+    }
+
+    /// The value of an expression of numbers and static fluents; it may be infinite or not a number.
+    pub(super) fn static_value(
+        &self,
+        expression: &Expression,
+        bindings: &[ObjectId],
+    ) -> Option<f64> {
+        Some(match &expression.kind {
+            ExpressionKind::Number(value) => *value,
+            ExpressionKind::Fluent(term) if !self.changing_function[term.function.index()] => {
+                let arguments = Self::bind(&term.arguments, bindings);
+                *self.values.get(&(term.function, arguments))?
+            }
+            ExpressionKind::Negate(inner) => -self.static_value(inner, bindings)?,
+            ExpressionKind::Binary(operation, left, right) => operation.apply(
+                self.static_value(left, bindings)?,
+                self.static_value(right, bindings)?,
+            ),
+            _ => return None,
+        })
     }
 
     /// Replaces bound variables.

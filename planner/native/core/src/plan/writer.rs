@@ -93,7 +93,7 @@ mod tests {
 ; States evaluated: 7
 0.000: (open)
 5.001: (launch d1 c1) [16.666666666666668]
-; Makespan: 21.667666666666666
+; Makespan: 21.66766666666667
 ; Metric: 2.5
 "
         );

@@ -289,6 +289,14 @@ codes! {
         what "A module of the domain has the name of no attachment that is installed."
         why "Planning would stop with an error at the first call."
         example "(define (domain d) (:predicates (p)) (:modules (free conditionchecker free@world)) (:action a :parameters () :precondition (and (p) ([free])) :effect (p)))"
+    InfiniteDuration = 94 Warning "duration without a finite value"
+        what "A problem's values make a duration infinite or no number, a division by zero usually."
+        why "The action can never apply with these arguments."
+        example "(define (domain d) (:requirements :durative-actions :numeric-fluents) (:predicates (p)) (:functions (speed)) (:durative-action a :parameters () :duration (= ?duration (/ 10 (speed))) :condition (at start (p)) :effect (at end (p))))\n;;; problem\n(define (problem x) (:domain d) (:init (p) (= (speed) 0)) (:goal (p)))"
+    NotExamined = 95 Information "only partly checked"
+        what "A problem is too large for the checks that need all its ground actions: those for actions that never apply, impossible durations and goals out of reach."
+        why "Nobody should take their silence for praise. They stop after a few seconds and 300,000 ground actions; a smaller problem of the same domain shows most faults of the domain."
+        example "(define (domain d) (:requirements :durative-actions) (:predicates (p) (q ?a ?b ?c ?d ?e ?f ?g ?h)) (:action a :parameters (?a ?b ?c ?d ?e ?f ?g ?h) :precondition (p) :effect (q ?a ?b ?c ?d ?e ?f ?g ?h)))\n;;; problem\n(define (problem x) (:domain d) (:objects o1 o2 o3 o4 o5 o6 o7 o8) (:init (p)) (:goal (q o1 o2 o3 o4 o5 o6 o7 o8)))"
 }
 
 impl Code {
