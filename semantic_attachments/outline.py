@@ -18,22 +18,24 @@ class Outline:
     def __init__(self, model: RobotModel, grid: GridMap, unknown_is_free: bool = False) -> None:
         self._grid = grid
         solid = grid.cells >= OCCUPIED_FROM
-        forbidden = np.zeros_like(solid) if unknown_is_free else grid.cells < 0
+        if not unknown_is_free:
+            solid |= grid.cells < 0
+        forbidden = np.zeros_like(solid)
         barred = np.array([name not in model.enters for name in grid.terrain_classes])
         if barred.any():
             terrain = np.zeros_like(grid.cells, np.uint8) if grid.terrain is None else grid.terrain
             forbidden = forbidden | barred[terrain]
         self.solid = solid
-        """(height, width) obstacles."""
+        """(height, width) obstacles and, unless they count as free, unknown cells."""
         self.standable = ~solid & ~forbidden
         """(height, width) cells where the reference point may be."""
         from scipy import ndimage  # imported late: it takes longer than a first plan
 
-        padded = np.pad(~solid, 1, constant_values=True)
-        distances = ndimage.distance_transform_edt(padded)[1:-1, 1:-1]
-        clearance = np.where(solid.any(), distances, np.inf).astype(np.float32)
+        padded = np.pad(~solid, 1, constant_values=False)
+        clearance = ndimage.distance_transform_edt(padded)[1:-1, 1:-1].astype(np.float32)
         self.clearance_cells = clearance
-        """(height, width) distance from the centre of each cell to that of the nearest obstacle."""
+        """(height, width) distance from the centre of each cell to that of the nearest obstacle,
+        the outside of the map included."""
         corners = hull(model.footprint_m)
         self.outer_radius_m = max((hypot(x, y) for x, y in corners), default=model.radius_m)
         """Radius of the least disc around the reference point that contains the outline [m]."""

@@ -81,16 +81,22 @@ class RobotClass:
         parameters: GridParameters,
         extra_radius_m: float = 0.0,
     ) -> Traversability:
-        """The map as this class of robots sees it."""
-        forbidden = np.zeros(grid.cells.shape, dtype=bool)
+        """The map as this class of robots sees it.
+
+        Its centre keeps its radius (and the margin) from the nearest point of every obstacle's
+        square, of every unknown cell's and from the outside of the map. Forbidden terrain has no
+        such zone: the centre may not enter it, the body may hang over.
+        """
+        solid = grid.cells >= OCCUPIED_FROM
         if not parameters.unknown_is_free:
-            forbidden |= grid.cells < 0
+            solid |= grid.cells < 0
+        forbidden = np.zeros(grid.cells.shape, dtype=bool)
         barred = [name not in self.enters for name in grid.terrain_classes]
         if any(barred):
             terrain = np.zeros_like(grid.cells, np.uint8) if grid.terrain is None else grid.terrain
             forbidden |= np.array(barred)[terrain]
         return Traversability(
-            grid.cells >= OCCUPIED_FROM,
+            solid,
             forbidden,
             (self.radius_m + extra_radius_m) / grid.resolution_m,
             self.multiplier(grid, parameters),

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 
 from simulator.fleet_client import Command
-from simulator.fleet_scenario import Point
-from simulator.navigation import MARGIN_M, REACH_M, Navigation
+from simulator.fleet_scenario import MARGIN_M, Point
+from simulator.navigation import REACH_M, Navigation
 from simulator.robot import Robot
 
 

@@ -67,17 +67,31 @@ class Driving:
         points = [(x, y) for _, x, y in plan[max(last - 12, 0) : max(last, 0) + 1]]
         reachable = (
             point
-            # A robot that touches the margin already is led out of it; the guard sees to the walls.
-            for margin_m in (0.01, 0.0, -0.02)
+            for margin_m in (0.01, _WALL_GAP_M + 0.001)
             for point in reversed(points)
             if floor.leg_is_clear(*robot.position, *point, radius_m + margin_m)
         )
         point = next(reachable, None)
+        if point is None and len(plan) > 1:
+            point = self._away_from_walls(robot)
         if point is None:
             return None
         left_m = math.dist(robot.position, point)
         # As fast as the plan, so that the robot arrives neither early nor late.
         return (point, 1.1 * left_m / _AHEAD_S) if left_m > 0.05 else None
+
+    def _away_from_walls(self, robot: Robot, far_m: float = 0.1) -> Point | None:
+        """The roomiest place close by, for a robot whose guard lets it go no nearer to a wall."""
+        floor, limit_m = self.navigation.floor(robot.kind), robot.kind.radius_m + far_m
+        angles = [k * math.tau / 16 for k in range(16)]
+        around = [
+            (robot.x + far_m * math.cos(angle), robot.y + far_m * math.sin(angle))
+            for angle in angles
+        ]
+        free = [place for place in around if not floor.is_forbidden(*place)]
+        if not free or floor.clearance(*robot.position, limit_m) >= limit_m:
+            return None
+        return max(free, key=lambda place: floor.clearance(*place, limit_m))
 
     def _safe_share(
         self,
@@ -103,6 +117,8 @@ class Driving:
         limit_m = radius_m + _WALL_GAP_M
         room = floor.clearance(*after, limit_m)
         if room < limit_m and room < floor.clearance(*robot.position, limit_m):
+            return False
+        if floor.is_forbidden(*after) and not floor.is_forbidden(*robot.position):
             return False
         for other in near:
             gap = math.dist(after, ahead[other.id])

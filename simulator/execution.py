@@ -17,6 +17,8 @@ ARRIVED_M = 0.25
 """a robot this close to a place is there"""
 _HALTED_S = 2.0
 """a robot that has wanted to move for so long and could not will not get closer"""
+_WAITS_FOR_A_WAY_S = 5.0
+"""how long a robot without a way waits for another order, or for the way to be cleared"""
 _PATIENCE_S = 30.0
 """how long a robot that cannot move goes on trying before it gives a command up"""
 
@@ -102,7 +104,9 @@ class Execution:
             return
         route = self.navigation.route(robot, robot.goals)
         if route is None:
-            self._give_up(robot, time_s, f"no way to {command.location} for its body")
+            robot.route, robot.timed = [], []
+            if robot.waits_since_s is None:
+                robot.waits_since_s = time_s
         else:
             robot.follow(route)
 
@@ -160,7 +164,13 @@ class Execution:
                         self.visited.setdefault(command.location, time_s)
                     self._finish(robot, time_s)
                     return
-        if robot.stalled_s > _PATIENCE_S:
+        self._lose_patience(robot, command, time_s)
+
+    def _lose_patience(self, robot: Robot, command: Command, time_s: float) -> None:
+        waits_since_s = robot.waits_since_s
+        if waits_since_s is not None and time_s - waits_since_s > _WAITS_FOR_A_WAY_S:
+            self._give_up(robot, time_s, f"no way to {command.location} for its body")
+        elif robot.stalled_s > _PATIENCE_S:
             self._give_up(robot, time_s, "it cannot get on")
 
     def _has_arrived(self, robot: Robot, command: Command) -> bool:
@@ -215,6 +225,9 @@ class Execution:
         if activity == "clearing" and command is not None and command.location is not None:
             self.world.clear(command.location)
             self.navigation.known.pop(command.location, None)
+            for other in self.robots.values():
+                if other.waits_since_s is not None:
+                    self.aim(other, time_s)
         elif (
             activity in ("docking", "undocking")
             and not robot.kind.capacity

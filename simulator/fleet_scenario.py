@@ -16,6 +16,9 @@ Point = tuple[float, float]
 Pose = tuple[float, float, float]
 Segment = tuple[Point, Point]
 
+MARGIN_M = 0.03
+"""Distance that routes keep from walls, blockades and standing robots beyond a robot's radius."""
+
 
 class ScenarioError(ValueError):
     """A scenario that contradicts itself; the message says where and how to mend it."""

@@ -9,12 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.fleet_scenario import FleetScenario
+from simulator.fleet_scenario import MARGIN_M, FleetScenario
 from simulator.occupancy_grid import OccupancyGrid
 
 
 def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, Any]:
-    """The body of `POST /v1/missions`."""
+    """The body of `POST /v1/missions`.
+
+    A robot's `radius_m` is its body's and the margin that it keeps: the service then orders no way
+    that the robot would refuse to drive.
+    """
     rows, columns = grid.cells.shape
     floor_map: dict[str, Any] = {
         "resolution_m": grid.resolution_m,
@@ -41,7 +45,7 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
         "map": floor_map,
         "robot_types": {
             kind.name: {
-                "radius_m": kind.radius_m,
+                "radius_m": round(kind.radius_m + MARGIN_M, 6),
                 "speed_m_s": kind.speed_m_s,
                 "sensor_range_m": kind.sensor_range_m,
                 "enters": list(kind.enters),

@@ -10,12 +10,10 @@ import itertools
 import math
 
 from simulator._core import Floor
-from simulator.fleet_scenario import HiddenBlockade, Point, RobotType
+from simulator.fleet_scenario import MARGIN_M, HiddenBlockade, Point, RobotType
 from simulator.occupancy_grid import OccupancyGrid
 from simulator.robot import Robot
 
-MARGIN_M = 0.03
-"""distance that routes keep from walls, blockades and standing robots"""
 COMFORT_M = 0.2
 """distance that they keep where a small detour allows it"""
 REACH_M = 0.45
@@ -36,11 +34,11 @@ class Navigation:
         self._floors: dict[tuple[str, ...], Floor] = {}
 
     def floor(self, kind: RobotType) -> Floor:
-        """The floor as a kind of robot may use it."""
+        """The floor as a kind of robot may use it: its centre stays out of forbidden terrain."""
         if kind.enters not in self._floors:
             forbidden = self.grid.forbidden(kind.enters)
             self._floors[kind.enters] = (
-                Floor(self.grid.walls() | forbidden, self.grid.resolution_m, self.grid.origin_m)
+                Floor(self.grid.walls(), self.grid.resolution_m, self.grid.origin_m, forbidden)
                 if forbidden.any()
                 else self.walls
             )
@@ -102,7 +100,7 @@ class Navigation:
             robot.x + ratio * (nearest[0] - robot.x),
             robot.y + ratio * (nearest[1] - robot.y),
         )
-        return self.floor(robot.kind).leg_is_clear(*robot.position, *before, 0.0)
+        return self.walls.leg_is_clear(*robot.position, *before, 0.0)
 
     def approaches(self, robot: Robot, blockade: HiddenBlockade) -> list[Point]:
         """Where the robot could stand to reach the blockade."""

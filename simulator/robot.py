@@ -39,6 +39,8 @@ class Robot:
     """index of the route's leg being driven: from `route[leg]` to `route[leg + 1]`"""
     timed: list[TimedPoint] = field(default_factory=list)
     """a motion that gives way to others, instead of the route"""
+    waits_since_s: float | None = None
+    """since when it has stood still because there is no way to its goals"""
     stalled_s: float = 0.0
     """how long it has wanted to move and could not"""
     driven_m: float = 0.0
@@ -74,11 +76,12 @@ class Robot:
 
     def follow(self, route: list[Point]) -> None:
         """Takes a new route."""
-        self.route, self.leg, self.timed = route, 0, []
+        self.route, self.leg, self.timed, self.waits_since_s = route, 0, [], None
 
     def stop(self) -> None:
         """Forgets where it was going."""
         self.route, self.leg, self.timed, self.goals = [], 0, [], []
+        self.waits_since_s = None
 
 
 def wrap(angle_rad: float) -> float:

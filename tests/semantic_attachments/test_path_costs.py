@@ -187,8 +187,10 @@ def oracle_s(world: World, robot: str, start: str, goal: str) -> float | None:
 
 
 def _inflated(solid: NDArray[np.bool_], radius_cells: float) -> NDArray[np.bool_]:
+    """Cells whose centres are nearer to an obstacle's square or to the border than the radius."""
     rows, columns = np.indices(solid.shape)
-    covered = solid.copy()
+    border = np.minimum(np.minimum(rows, rows[::-1]), np.minimum(columns, columns[:, ::-1])) + 0.5
+    covered = solid | (border < radius_cells - 1e-9)
     for row, column in zip(*np.nonzero(solid), strict=True):
         up = np.maximum(np.abs(rows - row) - 0.5, 0)
         right = np.maximum(np.abs(columns - column) - 0.5, 0)

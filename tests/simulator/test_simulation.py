@@ -44,6 +44,18 @@ def assert_sound(result: SimulationResult) -> None:
     assert (contacts.wall, contacts.robot, contacts.blockade, contacts.crossings) == (0, 0, 0, 0)
 
 
+def test_a_robot_waits_while_its_way_is_being_cleared(tmp_path: Path) -> None:
+    scenario = two_rooms(tmp_path)
+    explorer, clearer = scenario.robots
+    near = replace(scenario, robots=(explorer, replace(clearer, pose=(7.5, 3.5, 0.0))))
+    near = replace(near, blockades=(replace(scenario.blockades[0], clear_duration_s=1.0),))
+    result, dispatcher = run(near)
+    assert result.outcome == "completed"
+    assert result.commands_failed == 0
+    assert not any(report["failed"] for report in dispatcher.reports)
+    assert_sound(result)
+
+
 def test_a_hidden_blockade_is_met_cleared_and_passed(tmp_path: Path) -> None:
     result, dispatcher = run(two_rooms(tmp_path))
     assert result.outcome == "completed"

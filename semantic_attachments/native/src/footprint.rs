@@ -126,7 +126,7 @@ pub struct Footprint {
 
 impl Footprint {
     /// `forbidden` cells may be covered, but not by the reference point; `clearance` is a lower bound of the
-    /// distance from the centre of each cell to the centre of the nearest solid one.
+    /// distance from the centre of each cell to the centre of the nearest solid one, or of one outside of the map.
     #[must_use]
     pub fn new(
         shape: Shape,
@@ -161,6 +161,10 @@ impl Footprint {
         }
         let placed = self.outline.placed(pose);
         let [left, low, right, high] = placed.bounds();
+        let (width, height) = (self.shape.width as f64, self.shape.height as f64);
+        if left < -TOUCH || low < -TOUCH || right > width + TOUCH || high > height + TOUCH {
+            return false;
+        }
         let rows =
             low.floor().max(0.0) as i64..=high.floor().min(self.shape.height as f64 - 1.0) as i64;
         rows.into_iter().all(|row| {

@@ -1,7 +1,8 @@
 //! Inflation of obstacles by a robot's radius with exact Euclidean distances.
 //!
 //! A cell is covered when its centre is nearer than the radius to the square of an obstacle's cell, so a robot
-//! whose centre is on the centre of a cell that is not covered touches nothing. Because the
+//! whose centre is on the centre of a cell that is not covered touches nothing. Whatever lies outside of the
+//! map is an obstacle, too. Because the
 //! radius is a few cells, each row's distance to the nearest obstacle is compared with the half width
 //! of the disc at every row offset: `O(cells * radius)` simple comparisons.
 
@@ -32,7 +33,7 @@ pub fn disc(radius_cells: f64) -> Vec<(i64, i64)> {
         .collect()
 }
 
-/// Marks every cell covered by the obstacles inflated by the radius.
+/// Marks every cell covered by the obstacles and the outside of the map inflated by the radius.
 #[must_use]
 pub fn inflate(shape: Shape, obstacle: &[bool], radius_cells: f64) -> Vec<bool> {
     let width = shape.width;
@@ -65,6 +66,17 @@ pub fn inflate(shape: Shape, obstacle: &[bool], radius_cells: f64) -> Vec<bool> 
             {
                 *cell |= distance <= half;
             }
+        }
+    }
+    // Cells whose centres are nearer than the radius to the border.
+    let rim = ((radius_cells - 1e-9 - 0.5).ceil().max(0.0) as usize).min(width.max(shape.height));
+    for (row, line) in covered.chunks_mut(width).enumerate() {
+        if row < rim || shape.height - row <= rim {
+            line.fill(true);
+        } else {
+            let rim = rim.min(width);
+            line[..rim].fill(true);
+            line[width - rim..].fill(true);
         }
     }
     covered
@@ -105,18 +117,24 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn by_definition(shape: Shape, obstacle: &[bool], radius: f64) -> Vec<bool> {
+    fn by_definition(shape: Shape, obstacle: &[bool], radius: f64, outside: bool) -> Vec<bool> {
         (0..shape.len() as u32)
             .map(|cell| {
                 let (row, column) = shape.row_column(cell);
-                (0..shape.len() as u32)
-                    .filter(|&other| obstacle[other as usize])
-                    .any(|other| {
-                        let (r, c) = shape.row_column(other);
-                        let vertical = ((row - r).abs() as f64 - 0.5).max(0.0);
-                        let horizontal = ((column - c).abs() as f64 - 0.5).max(0.0);
-                        other == cell || vertical.hypot(horizontal) < radius - 1e-9
-                    })
+                let (above, right) = (
+                    shape.height as i64 - 1 - row,
+                    shape.width as i64 - 1 - column,
+                );
+                let border = row.min(column).min(above).min(right) as f64 + 0.5;
+                (outside && border < radius - 1e-9)
+                    || (0..shape.len() as u32)
+                        .filter(|&other| obstacle[other as usize])
+                        .any(|other| {
+                            let (r, c) = shape.row_column(other);
+                            let vertical = ((row - r).abs() as f64 - 0.5).max(0.0);
+                            let horizontal = ((column - c).abs() as f64 - 0.5).max(0.0);
+                            other == cell || vertical.hypot(horizontal) < radius - 1e-9
+                        })
             })
             .collect()
     }
@@ -128,8 +146,8 @@ mod tests {
             radius in prop_oneof![Just(0.0), Just(0.5), Just(1.5), 0.0..5.0],
         ) {
             let shape = Shape { height: 11, width: 13 };
-            let expected = by_definition(shape, &cells, radius);
-            prop_assert_eq!(&inflate(shape, &cells, radius), &expected);
+            prop_assert_eq!(inflate(shape, &cells, radius), by_definition(shape, &cells, radius, true));
+            let expected = by_definition(shape, &cells, radius, false);
             let obstacles: Vec<u32> = (0..shape.len() as u32).filter(|&i| cells[i as usize]).collect();
             let covered = inflate_cells(shape, &obstacles, radius);
             let listed: Vec<u32> = (0..shape.len() as u32).filter(|&i| expected[i as usize]).collect();

@@ -11,6 +11,8 @@ pub type Segment = [Point; 2];
 
 /// How far a leg's clearance may fall short of what `leg_is_clear` was asked for [m].
 pub const LEG_TOLERANCE_M: f64 = 0.01;
+/// Distance that a body's centre keeps from forbidden terrain on a leg [m].
+const TERRAIN_GAP_M: f64 = 0.005;
 
 /// Walls on a grid; row 0 is the bottom one, whatever lies outside is wall.
 pub struct Floor {
@@ -24,6 +26,8 @@ pub struct Floor {
     pub origin_m: Point,
     occupied: Vec<bool>,
     clearance_m: Vec<f32>,
+    /// Forbidden terrain, its cells as the walls of a floor of their own.
+    terrain: Option<Box<Floor>>,
 }
 
 /// Cells that do not make a grid.
@@ -67,7 +71,25 @@ impl Floor {
             origin_m,
             occupied,
             clearance_m,
+            terrain: None,
         })
+    }
+
+    /// Forbids terrain, `true` where a body's centre may not be; its edge may hang over.
+    pub fn forbidding(mut self, forbidden: Vec<bool>) -> Result<Self, FloorError> {
+        self.terrain = if forbidden.contains(&true) {
+            let (width, height) = (self.width, self.height);
+            Some(Box::new(Self::new(
+                forbidden,
+                width,
+                height,
+                self.resolution_m,
+                self.origin_m,
+            )?))
+        } else {
+            None
+        };
+        Ok(self)
     }
 
     /// Column and row of a position, or None outside.
@@ -90,6 +112,22 @@ impl Floor {
     /// Whether a cell is wall.
     pub fn is_occupied(&self, column: usize, row: usize) -> bool {
         self.occupied[row * self.width + column]
+    }
+
+    /// Whether a position lies in terrain that a body's centre may not enter.
+    pub fn is_forbidden(&self, position: Point) -> bool {
+        self.terrain.as_ref().is_some_and(|terrain| {
+            terrain
+                .cell(position)
+                .is_none_or(|(column, row)| terrain.is_occupied(column, row))
+        })
+    }
+
+    /// Distance from a cell's centre to the nearest forbidden terrain, zero within [m].
+    pub fn terrain_clearance_at_centre(&self, column: usize, row: usize) -> f64 {
+        self.terrain.as_ref().map_or(f64::INFINITY, |terrain| {
+            terrain.clearance_at_centre(column, row)
+        })
     }
 
     /// Distance from a cell's centre to the nearest wall [m].
@@ -151,8 +189,22 @@ impl Floor {
         nearest
     }
 
-    /// Whether a disc may move along a straight leg without touching a wall.
+    /// Whether a disc may move along a straight leg: its edge touches no wall, its centre enters no
+    /// forbidden terrain.
     pub fn leg_is_clear(&self, from: Point, to: Point, radius_m: f64) -> bool {
+        self.disc_passes(from, to, radius_m) && self.centre_passes(from, to)
+    }
+
+    /// Whether a body's centre may move along a straight leg without entering forbidden terrain.
+    pub fn centre_passes(&self, from: Point, to: Point) -> bool {
+        self.terrain.as_ref().is_none_or(|terrain| {
+            let gap_m = terrain.clearance(from, TERRAIN_GAP_M).max(1e-6);
+            terrain.disc_passes(from, to, gap_m)
+        })
+    }
+
+    /// Whether a disc may move along a straight leg without touching a wall.
+    pub fn disc_passes(&self, from: Point, to: Point, radius_m: f64) -> bool {
         let length = distance(from, to);
         let mut travelled = 0.0;
         loop {
@@ -249,6 +301,19 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_body_hangs_over_forbidden_terrain_but_its_centre_stays_out() {
+        let mut forbidden = vec![false; 25];
+        forbidden[2 * 5 + 2] = true;
+        let floor = drawn(&["....."; 5], 0.2).forbidding(forbidden).unwrap();
+        assert!(floor.is_forbidden([0.5, 0.5]) && !floor.is_forbidden([0.5, 0.7]));
+        assert!(floor.leg_is_clear([0.3, 0.3], [0.3, 0.7], 0.3));
+        assert!(!floor.leg_is_clear([0.3, 0.5], [0.7, 0.5], 0.1));
+        assert!(!floor.leg_is_clear([0.3, 0.5], [0.5, 0.7], 0.1));
+        assert!(floor.disc_passes([0.3, 0.5], [0.7, 0.5], 0.1));
+        assert!(drawn(&["."; 2], 0.2).forbidding(vec![true; 3]).is_err());
+    }
+
+    #[test]
     fn crossing_segments_have_no_distance() {
         let cross = segment_distance([[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]);
         assert_eq!(cross, 0.0);
@@ -257,6 +322,43 @@ pub(crate) mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_centre_passes_where_it_meets_no_forbidden_square(
+            bits in prop::collection::vec(prop::bool::weighted(0.1), 144),
+            from in (0.1..2.3_f64, 0.1..2.3_f64), to in (0.1..2.3_f64, 0.1..2.3_f64),
+        ) {
+            let free = Floor::new(vec![false; 144], 12, 12, 0.2, [0.0, 0.0]).unwrap();
+            let floor = free.forbidding(bits.clone()).unwrap();
+            // The distance of a thousand points of the leg to every forbidden square.
+            let nearest = (0..=1000).flat_map(|step| {
+                let ratio = f64::from(step) / 1000.0;
+                let (x, y) = (from.0 + ratio * (to.0 - from.0), from.1 + ratio * (to.1 - from.1));
+                bits.iter().enumerate().filter(|(_, out)| **out).map(move |(at, _)| {
+                    let (left, bottom) = ((at % 12) as f64 * 0.2, (at / 12) as f64 * 0.2);
+                    let dx = (left - x).max(x - left - 0.2).max(0.0);
+                    let dy = (bottom - y).max(y - bottom - 0.2).max(0.0);
+                    dx.hypot(dy)
+                })
+            }).fold(f64::INFINITY, f64::min);
+            let passes = floor.centre_passes([from.0, from.1], [to.0, to.1]);
+            if nearest > TERRAIN_GAP_M + LEG_TOLERANCE_M {
+                prop_assert!(passes);
+            }
+            // Samples of the sweep may be a tolerance apart and miss the tip of a corner that is no deeper.
+            let deep = (0..=1000).any(|step| {
+                let ratio = f64::from(step) / 1000.0;
+                let (x, y) = (from.0 + ratio * (to.0 - from.0), from.1 + ratio * (to.1 - from.1));
+                bits.iter().enumerate().filter(|(_, out)| **out).any(|(at, _)| {
+                    let (left, bottom) = ((at % 12) as f64 * 0.2, (at / 12) as f64 * 0.2);
+                    let inset = LEG_TOLERANCE_M;
+                    x > left + inset && x < left + 0.2 - inset && y > bottom + inset && y < bottom + 0.2 - inset
+                })
+            });
+            if deep {
+                prop_assert!(!passes);
+            }
+        }
+
         #[test]
         fn clearance_is_the_distance_to_the_nearest_square(
             bits in prop::collection::vec(prop::bool::weighted(0.1), 144), x in 0.0..2.4_f64, y in 0.0..2.4_f64, limit in 0.1..3.0_f64,

@@ -143,7 +143,10 @@ impl<'a> Lattice<'a> {
 
     /// Whether the body may stand at a node.
     pub fn is_free(&self, node: usize) -> bool {
-        !self.blocked[node] && self.clearance(node) >= self.body.radius_m + self.body.margin_m
+        let (column, row) = self.cell(node);
+        !self.blocked[node]
+            && self.clearance(node) >= self.body.radius_m + self.body.margin_m
+            && self.floor.terrain_clearance_at_centre(column, row) > 0.0
     }
 
     /// Nodes in the rectangle that reaches `reach` around a segment.
@@ -190,6 +193,7 @@ impl<'a> Lattice<'a> {
             .floor
             .clearance(position, self.body.radius_m + self.body.margin_m);
         let body = room.min(self.body.radius_m) - 0.02;
+        let is_outside = self.floor.is_forbidden(position);
         let mut near: Vec<(f64, usize)> = self
             .around([position, position], SNAP_M)
             .filter(|&node| self.is_free(node))
@@ -199,7 +203,8 @@ impl<'a> Lattice<'a> {
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         near.into_iter().map(|(_, node)| node).find(|&node| {
             let to = self.position(node);
-            self.floor.leg_is_clear(position, to, body)
+            self.floor.disc_passes(position, to, body)
+                && (is_outside || self.floor.centre_passes(position, to))
                 && self
                     .body
                     .blockades
@@ -217,6 +222,9 @@ impl<'a> Lattice<'a> {
         let spacing = self.spacing_m();
         let narrow = self.body.radius_m + self.body.margin_m + 0.6 * spacing;
         let here = self.clearance(node);
+        let (at_column, at_row) = self.cell(node);
+        let beside_terrain =
+            self.floor.terrain_clearance_at_centre(at_column, at_row) < 1.5 * spacing;
         for (dx, dy) in [
             (1, 0),
             (0, 1),
@@ -235,7 +243,7 @@ impl<'a> Lattice<'a> {
             if !self.is_free(neighbour) {
                 continue;
             }
-            let tight = here.min(self.clearance(neighbour)) < narrow;
+            let tight = here.min(self.clearance(neighbour)) < narrow || beside_terrain;
             if tight
                 && !self.floor.leg_is_clear(
                     self.position(node),
@@ -407,7 +415,7 @@ impl<'a> Lattice<'a> {
             from[0] + ratio * (to[0] - from[0]),
             from[1] + ratio * (to[1] - from[1]),
         ];
-        self.floor.leg_is_clear(from, end, 0.0)
+        self.floor.disc_passes(from, end, 0.0)
     }
 
     /// The free places nearest to a position by travel that keep `apart_m` from a polyline.

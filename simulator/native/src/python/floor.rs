@@ -39,11 +39,22 @@ fn pairs(points: Vec<Point>) -> Vec<Pair> {
 
 #[pymethods]
 impl PyFloor {
+    /// `forbidden` has the shape of `walls`: cells that a body's centre may not enter.
     #[new]
-    fn new(walls: PyReadonlyArray2<'_, bool>, resolution_m: f64, origin_m: Pair) -> PyResult<Self> {
+    #[pyo3(signature = (walls, resolution_m, origin_m, forbidden=None))]
+    fn new(
+        walls: PyReadonlyArray2<'_, bool>,
+        resolution_m: f64,
+        origin_m: Pair,
+        forbidden: Option<PyReadonlyArray2<'_, bool>>,
+    ) -> PyResult<Self> {
         let (height, width) = (walls.shape()[0], walls.shape()[1]);
         let cells = walls.as_array().iter().copied().collect();
         Floor::new(cells, width, height, resolution_m, [origin_m.0, origin_m.1])
+            .and_then(|floor| match forbidden {
+                Some(cells) => floor.forbidding(cells.as_array().iter().copied().collect()),
+                None => Ok(floor),
+            })
             .map(Self)
             .map_err(|fault| PyValueError::new_err(fault.to_string()))
     }
@@ -62,6 +73,11 @@ impl PyFloor {
         } else {
             self.0.clearance([x, y], limit_m)
         }
+    }
+
+    /// Whether a position lies in terrain that a body's centre may not enter.
+    fn is_forbidden(&self, x: f64, y: f64) -> bool {
+        self.0.is_forbidden([x, y])
     }
 
     /// Whether a disc can go straight from one position to another.
