@@ -91,7 +91,7 @@ class Driving:
         free = [place for place in around if not floor.is_forbidden(*place)]
         if not free or floor.clearance(*robot.position, limit_m) >= limit_m:
             return None
-        return max(free, key=lambda place: floor.clearance(*place, limit_m))
+        return max(free, key=lambda place: floor.clearance(place[0], place[1], limit_m))
 
     def _safe_share(
         self,

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.fleet_scenario import Point
-from simulator.navigation import MARGIN_M, Navigation
+from simulator.fleet_scenario import MARGIN_M, Point
+from simulator.navigation import Navigation
 from simulator.robot import Robot, TimedPoint
 
 _RANKS = {"clear": 0, "explore": 1, "move": 2, "dock": 3, "undock": 3}
