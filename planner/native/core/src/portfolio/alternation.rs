@@ -21,6 +21,9 @@ const SHARE: f64 = 0.15;
 /// Turns in which it gets more: small spaces are exhausted, and proofs found, by then.
 const EARLY: u32 = 4;
 
+/// Turns that the list-schedule search gets without a plan when the other space is exhausted.
+const LAST_TURNS: u32 = 4;
+
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// Runs until an outcome is reached.
@@ -41,6 +44,7 @@ pub(super) fn run(
     // How the decision-epoch search ended.
     let mut epoch_ended = Outcome::Exhausted;
     let mut turn = 0_u32;
+    let mut turns_alone = 0_u32;
     let mut adopt: Vec<_> = warm.to_vec();
     // Where one action has to start inside another, the list-schedule search is the second choice.
     let epoch_first = setting.completeness.required_concurrency;
@@ -155,8 +159,12 @@ pub(super) fn run(
                 }
                 break;
             }
-        } else if optimiser.is_none() {
-            return Ok(epoch_ended);
+        } else {
+            turns_alone += 1;
+            let hopeless = !incumbent.exists() && turns_alone >= LAST_TURNS;
+            if optimiser.is_none() || hopeless {
+                return Ok(epoch_ended);
+            }
         }
         if let Some(outcome) = setting.over(incumbent, search.statistics.expansions) {
             break Ok(outcome);
