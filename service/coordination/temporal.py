@@ -19,7 +19,7 @@ from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
 from service.coordination.hungarian import being_cleared, clear_nearest, free
-from service.coordination.plan_progress import Remainder, remainder
+from service.coordination.plan_progress import Remainder, from_here, remainder
 from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.coordination.travel import Travel
@@ -177,12 +177,20 @@ class Planning:
             timeout_s=planning.time_limit_s,
             node_limit=planning.node_limit,
             seed=planning.seed,
+            warm_start=self._warm_start(),
         )
         if result.plan is None:
             raise PlanNotFoundError(f"planning ended without a plan ({result.outcome})")
         return result.plan
 
     # The plan in force
+
+    def _warm_start(self) -> planner.Plan | None:
+        situation = self.situation
+        if not situation.in_force:
+            return None
+        left = remainder(self.formulation, situation.state, situation.in_force, situation.done)
+        return from_here(left, self.formulation, situation.state)
 
     def _kept(self, plan: planner.Plan, goals: Collection[str]) -> Proposal | None:
         """The next orders of the plan in force, if that is nearly as good as `plan`."""

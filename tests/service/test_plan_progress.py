@@ -5,7 +5,7 @@ from dataclasses import replace
 from domains import catalogue
 from domains.formulation import OrderKind
 from domains.mission_state import BlockadeState, MissionState, RobotState, Target
-from service.coordination.plan_progress import remainder
+from service.coordination.plan_progress import from_here, remainder
 from service.messages.plan import PlanStep
 from service.messages.report import Command
 
@@ -75,3 +75,28 @@ def test_a_movement_to_a_blockade_that_is_cleared_is_left_out() -> None:
     cleared = replace(state(31.0), blockades=())
     left = remainder(DISASTER, cleared, PLAN, [done("c", "clear", "b")])
     assert [step.action for step in left.plan] == ["explore-from-blockade"]
+
+
+def started_from_here(time_s: float, *commands: Command) -> list[str]:
+    now = state(time_s)
+    left = remainder(DISASTER, now, PLAN, commands)
+    return [" ".join((step.action, *step.arguments)) for step in from_here(left, DISASTER, now)]
+
+
+def test_planning_anew_starts_with_the_plan_in_force_from_where_the_robots_are() -> None:
+    names = DISASTER.names(state(7.0))
+    c_place, e_place = names.name("c place"), names.name("e place")
+    assert started_from_here(7.0) == [
+        f"move c {c_place} b",
+        f"move e {e_place} b",
+        "clear c b",
+        "explore-from-blockade e b t",
+    ]
+    # Both stand at the blockade, but the planner knows them at places of their own.
+    there = started_from_here(11.0, done("c", "move", "b"), done("e", "move", "b"))
+    assert there == [
+        f"move c {c_place} b",
+        "clear c b",
+        f"move e {e_place} b",
+        "explore-from-blockade e b t",
+    ]
