@@ -115,7 +115,12 @@ def test_a_mission_survives_kill_9(tmp_path: Path, strategy: str) -> None:
             HiddenBlockade("blockade_2", ((14.0, 3.5), (15.0, 3.5))),
         ],
     )
-    mission = team.mission(ROOMS, [(2.5, 6.5), (17.5, 6.5), (17.5, 1.5)], strategy=strategy)
+    mission = team.mission(
+        ROOMS,
+        [(2.5, 6.5), (17.5, 6.5), (17.5, 1.5)],
+        strategy=strategy,
+        planning={"time_limit_s": 0.1},
+    )
     acknowledged = -1
     kill_at = {4, 13}
     with server(tmp_path / "missions.sqlite") as running:
