@@ -41,7 +41,8 @@ def run_suite(path: Path, folder: Path, *, quick: bool, jobs: int, resume: bool)
     except FileExistsError as error:
         raise CommandError(str(error)) from None
     except KeyboardInterrupt:
-        _say(f"stopped; go on with `marsupial bench {path} --resume`")
+        options = f"{'--quick ' if quick else ''}--out {folder.parent} --resume"
+        _say(f"stopped; go on with `marsupial bench {path} {options}`")
         raise
     found = findings(suite, rows(folder))
     report = write(found, folder)
