@@ -81,6 +81,9 @@ def load(target: str) -> Callable[..., Any]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs the command line; a user sees sentences, never a traceback."""
+    # No command multiplies large matrices, and starting BLAS threads takes more CPU than reading
+    # a map and a problem.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     words = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
         stranger = someone_elses_room()

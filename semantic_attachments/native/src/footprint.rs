@@ -259,10 +259,12 @@ mod tests {
         ) {
             let clearance: Vec<f32> = (0..400u32).map(|cell| {
                 let (row, column) = SHAPE.row_column(cell);
+                // What lies outside of the map counts as solid.
+                let border = (row + 1).min(20 - row).min(column + 1).min(20 - column) as f32;
                 (0..400u32).filter(|&other| solid[other as usize]).map(|other| {
                     let (r, c) = SHAPE.row_column(other);
                     ((row - r) as f32).hypot((column - c) as f32)
-                }).fold(f32::INFINITY, f32::min)
+                }).fold(border, f32::min)
             }).collect();
             let none = vec![false; 400];
             let quick = Footprint::new(SHAPE, box_outline(3.0, 1.5), solid.clone(), none.clone(), clearance);
