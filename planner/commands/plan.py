@@ -83,6 +83,9 @@ def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., No
             )
             parsed = read_problem(read_domain(domain), problem)
             attachments = provided(provider, parsed, map)
+            for path in (plan_file, svg, html, json_file):
+                if path is not None:
+                    path.parent.mkdir(parents=True, exist_ok=True)
             if engine is not Engine.MARSUPIAL:
                 from planner.peers import solve_with_peer
 
