@@ -3,6 +3,7 @@
 import fcntl
 import os
 import pty
+import select
 import struct
 import termios
 from collections.abc import Iterator
@@ -28,6 +29,14 @@ def terminal() -> Iterator[tuple[int, TextIO]]:
     os.close(reader)
 
 
+def everything(reader: int) -> str:
+    """All that was written; a terminal hands it over in parts."""
+    written = b""
+    while select.select([reader], [], [], 0.3)[0]:
+        written += os.read(reader, 10_000)
+    return written.decode()
+
+
 def test_one_line_is_rewritten_and_never_wider_than_the_terminal(
     terminal: tuple[int, TextIO],
 ) -> None:
@@ -37,7 +46,7 @@ def test_one_line_is_rewritten_and_never_wider_than_the_terminal(
     display.progress(Progress(states=123_456_789, lower_bound=15.0))
     display.progress(Progress(states=987_654_321, lower_bound=16.0))
     display.close()
-    written = os.read(reader, 10_000).decode()
+    written = everything(reader)
     assert "\n" not in written
     lines = written.split("\r\x1b[K")
     assert lines[0] == lines[-1] == ""
@@ -52,7 +61,7 @@ def test_watching_shows_every_plan_on_a_line_of_its_own(terminal: tuple[int, Tex
     display.progress(Progress(states=1, lower_bound=15.0))
     display.plan(PLAN)
     display.close()
-    written = os.read(reader, 10_000).decode()
+    written = everything(reader)
     assert "no plan yet" in written
     assert "plan 1: makespan 20.000 s, 1 steps" in written
 
