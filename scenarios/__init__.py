@@ -1,1 +1,1 @@
-"""TODO."""
+"""Scenarios: maps, missions, suites, reports and the `marsupial` command."""

@@ -1,1 +1,1 @@
-"""TODO."""
+"""Commands that run missions, benchmarks and plans on maps."""

@@ -160,7 +160,6 @@ def test_a_target_in_a_closed_room_ends_stuck_or_out_of_time(tmp_path: Path) -> 
     )
     result, _ = run(scenario)
     assert result.outcome == "out of time"
-    assert result.commands_failed >= 0
     assert result.visited == {}
 
 
