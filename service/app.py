@@ -10,8 +10,8 @@ from fastapi import FastAPI
 from domains import catalogue
 from service import json_body, problem_details
 from service.access import Gate
-from service.coordination.coordinator import LoopParameters
 from service.coordination.registry import Missions
+from service.coordination.replanning import LoopParameters
 from service.coordination.strategies import all_strategies
 from service.jobs.planning_requests import PlanningRequests
 from service.jobs.process_pool import PoolParameters, ProcessPool

@@ -6,11 +6,13 @@ import uuid
 from collections.abc import Mapping
 
 from service.coordination.admission import Fault, mission_faults
-from service.coordination.coordinator import Coordinator, LoopParameters
+from service.coordination.coordinator import Coordinator
 from service.coordination.events import Event, MissionCreated
+from service.coordination.history import created, rebuilt
 from service.coordination.known_map import grid_map, robot_models
-from service.coordination.mission import Mission, rebuilt
+from service.coordination.mission import Mission
 from service.coordination.ports import Observer, Planners
+from service.coordination.replanning import LoopParameters
 from service.coordination.strategy import Strategy
 from service.messages.mission import CreateMission
 from service.store.event_store import EventStore
@@ -105,7 +107,7 @@ class Missions:
             body_digest=digest,
         )
         await asyncio.shield(asyncio.ensure_future(self._store.append(event.id, 0, [event])))
-        coordinator = self._coordinator(Mission.created(event))
+        coordinator = self._coordinator(created(event))
         self._open[event.id] = coordinator
         return coordinator
 

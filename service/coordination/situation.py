@@ -12,7 +12,8 @@ from domains.mission_state import (
     Target,
 )
 from semantic_attachments.world import GridMap, RobotModel
-from service.coordination.mission import FleetRobot, Mission
+from service.coordination.fleet_robot import FleetRobot
+from service.coordination.mission import Mission
 from service.coordination.strategy import Situation
 from service.messages.instruction import Deadline, Forbid, Pin, Priority
 

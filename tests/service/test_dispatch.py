@@ -16,7 +16,8 @@ from service.coordination.events import (
     OrdersIssued,
     ReportAccepted,
 )
-from service.coordination.mission import Mission, rebuilt
+from service.coordination.history import apply, rebuilt
+from service.coordination.mission import Mission
 from service.messages.mission import CreateMission
 from service.messages.report import Command, Report
 
@@ -86,26 +87,27 @@ def test_nobody_is_sent_to_where_it_has_just_arrived(arrived: Mission) -> None:
 
 def test_a_robot_that_has_driven_on_is_sent_back(arrived: Mission) -> None:
     pose = {"id": "clearer_1", "pose": [12.0, 1.5, 0.0], "state": "idle"}
-    arrived.apply(reported(2, robots=[pose]))
+    apply(arrived, reported(2, robots=[pose]))
     again = orders(Assignment("clearer_1", OrderKind.MOVE, "b"))
     given = {order.robot: order for order in commands(arrived, again, revision=2)}
     assert (given["clearer_1"].kind, given["clearer_1"].location) == ("move", "b")
 
 
 def test_what_was_done_while_the_plan_was_made_stays_done(arrived: Mission) -> None:
-    arrived.apply(issued(2, done=[MOVE]))
+    apply(arrived, issued(2, done=[MOVE]))
     assert [command.id for command in arrived.done] == [MOVE.id]
-    arrived.apply(issued(3, done=[], disturbed=True))
+    apply(arrived, issued(3, done=[], disturbed=True))
     assert arrived.done == []
     assert arrived.plan_disturbed
 
 
 def test_an_order_that_was_given_up_still_counts_if_it_is_carried_out(arrived: Mission) -> None:
-    arrived.apply(
-        CommandGivenUp(time_s=2.0, robot="explorer_1", command=EXPLORE.id, reason="stands still")
+    apply(
+        arrived,
+        CommandGivenUp(time_s=2.0, robot="explorer_1", command=EXPLORE.id, reason="stands still"),
     )
     assert arrived.failures == {("explorer_1", "target_1"): 1}
     assert "explorer_1" not in arrived.commands
     assert arrived.plan_disturbed
-    arrived.apply(reported(3, finished=[{"robot": "explorer_1", "command": EXPLORE.id}]))
+    apply(arrived, reported(3, finished=[{"robot": "explorer_1", "command": EXPLORE.id}]))
     assert arrived.targets["target_1"].visited_by == "explorer_1"

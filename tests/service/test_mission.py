@@ -8,7 +8,7 @@ from test_mission_loop import ROOMS, TARGETS, WAIT, drive, fleet
 
 from service.app import create_app
 from service.coordination.events import from_json, to_json
-from service.coordination.mission import rebuilt
+from service.coordination.history import rebuilt
 from service.settings import Settings, sqlite_url
 from service.store.engine import connect
 from service.store.event_store import EventStore

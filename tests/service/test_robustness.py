@@ -12,7 +12,7 @@ from sqlalchemy.exc import OperationalError
 from test_mission_loop import ROOMS, TARGETS, WAIT, drive, fleet
 
 from service.app import create_app
-from service.coordination.coordinator import within_load
+from service.coordination.deliberation import within_load
 from service.messages.mission import PlanningMessage
 from service.settings import Settings, sqlite_url
 

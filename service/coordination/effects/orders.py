@@ -1,0 +1,55 @@
+"""What the service's own decisions do to a mission."""
+
+from service.coordination.events import CommandGivenUp, OrdersIssued, PlanningFailed
+from service.coordination.mission import Mission, PlanInForce
+
+
+def apply_orders(mission: Mission, event: OrdersIssued) -> None:
+    """The commands in force changed, with or without a new plan behind them."""
+    mission.revision = event.revision
+    mission.decide(event.time_s, "new plan" if event.new_plan else "next steps", event.reason)
+    mission.plannings += 1
+    if event.new_plan:
+        mission.plan = PlanInForce(
+            tuple(event.steps), event.validated, event.revision, event.time_s
+        )
+        mission.plan_disturbed = event.disturbed
+        mission.done = list(event.done)
+    for command in event.commands:
+        if command.id not in mission.issued_at_s:
+            mission.issued_at_s[command.id] = event.time_s
+        mission.orders[command.id] = command
+    for identifier, given in mission.instructions.items():
+        given.remark = event.remarks.get(identifier, "")
+    current = {command.robot: command for command in event.commands}
+    for robot_id in [robot for robot in mission.commands if robot not in current]:
+        mission.drop_command(robot_id)
+    mission.commands = current
+    mission.recover()
+
+
+def give_up(mission: Mission, event: CommandGivenUp) -> None:
+    """A robot does not get on with its command."""
+    # The order stays known: should the robot report it as finished after all, that is a fact.
+    command = mission.orders[event.command]
+    mission.disturb()
+    mission.count_failure(event.robot, command)
+    mission.drop_command(event.robot)
+    mission.robots[event.robot].still_since_s = event.time_s
+    mission.decide(
+        event.time_s,
+        "command failed",
+        f"{event.robot} is not carrying out {command.kind} {command.location or ''}: "
+        f"{event.reason}",
+    )
+
+
+def plan_failed(mission: Mission, event: PlanningFailed) -> None:
+    """A strategy found nothing."""
+    mission.plannings += 1
+    mission.decide(event.time_s, "no plan", event.reason)
+    mission.status, mission.status_reason = "delayed", event.reason
+    if not event.hopeless:
+        mission.hopeless_since_s = None
+    elif mission.hopeless_since_s is None:
+        mission.hopeless_since_s = event.time_s

@@ -1,0 +1,118 @@
+"""What a report of the fleet does to a mission."""
+
+from service.coordination.fleet_robot import apart
+from service.coordination.mission import Mission, MissionBlockade
+from service.messages.report import Command, CommandKind, Report, RobotActivity, RobotReport
+
+_BUSY: frozenset[RobotActivity] = frozenset({"clearing", "docking", "undocking"})
+_LOCATED: frozenset[CommandKind] = frozenset({"move", "explore", "dock", "undock"})
+
+
+def apply_report(mission: Mission, report: Report) -> None:
+    """The mission after a report; one that was overtaken contributes its facts alone."""
+    late = report.sequence < mission.sequence
+    if late:
+        mission.missing.discard(report.sequence)
+    else:
+        mission.missing |= set(range(mission.sequence + 1, report.sequence))
+        mission.sequence = report.sequence
+        mission.time_s = max(mission.time_s, report.time_s)
+        for robot_report in report.robots:
+            _apply_robot(mission, robot_report)
+    if mission.status == "queued":
+        mission.status, mission.status_reason = "underway", ""
+    for blockade in report.blockades:
+        # Seen again: the same thing, or one that is known to be cleared.
+        if blockade.id not in mission.blockades:
+            mission.blockades[blockade.id] = MissionBlockade(
+                blockade.id,
+                blockade.segment_m,
+                blockade.clear_duration_s,
+                seen_at_s=report.time_s,
+            )
+            mission.hopeless_since_s = None
+    for finished in report.finished:
+        _finish(mission, finished.robot, finished.command, report.time_s)
+    for failed in report.failed:
+        _fail(mission, failed.robot, failed.command, report.time_s, failed.reason)
+
+
+def _apply_robot(mission: Mission, report: RobotReport) -> None:
+    robot = mission.robots[report.id]
+    robot.pose = report.pose
+    fails = report.state == "failed" != robot.state
+    robot.state = report.state
+    robot.command = report.command
+    robot.busy_until_s = report.busy_until_s
+    robot.reported_at_s = mission.time_s
+    if apart(robot.pose, robot.still_pose) or robot.state in _BUSY:
+        robot.still_pose, robot.still_since_s = robot.pose, mission.time_s
+        mission.hopeless_since_s = None
+    if robot.lost:
+        robot.lost = False
+        mission.disturb()
+        mission.decide(mission.time_s, "robot back", f"{robot.id} reports again")
+    if fails:
+        mission.drop_command(robot.id)
+        mission.disturb()
+    if robot.state != "docked" and apart(robot.pose, robot.arrival_pose):
+        robot.arrived_at = None
+
+
+def _finish(mission: Mission, robot_id: str, command_id: str, time_s: float) -> None:
+    if command_id in mission.closed:
+        return
+    command = mission.orders[command_id]
+    robot = mission.robots[robot_id]
+    mission.close_command(robot_id, command_id)
+    mission.done.append(command)
+    mission.hopeless_since_s = None
+    match command.kind:
+        case "explore":
+            target = mission.targets.get(command.location or "")
+            if target is not None and target.visited_by is None:
+                target.visited_by, target.visited_at_s = robot_id, time_s
+        case "clear":
+            blockade = mission.blockades.get(command.location or "")
+            if blockade is not None and blockade.cleared_by is None:
+                blockade.cleared_by, blockade.cleared_at_s = robot_id, time_s
+        case "dock":
+            _board(mission, robot_id, command, aboard=True)
+        case "undock":
+            _board(mission, robot_id, command, aboard=False)
+        case "move" | "wait":
+            pass
+    if command.kind in _LOCATED:
+        robot.arrived_at, robot.arrival_pose = command.location, robot.pose
+
+
+def _board(mission: Mission, robot_id: str, command: Command, *, aboard: bool) -> None:
+    """Either of the two robots may report the docking; the rover is the one that is carried."""
+    partner_id = command.partner or ""
+    carrier_types = {
+        name for name, kind in mission.request.robot_types.items() if kind.capacity > 0
+    }
+    rover_id, carrier_id = robot_id, partner_id
+    if mission.robots[robot_id].type in carrier_types:
+        rover_id, carrier_id = partner_id, robot_id
+    rover = mission.robots[rover_id]
+    rover.carrier = carrier_id if aboard else None
+    if aboard and rover.state != "failed":
+        rover.state = "docked"
+    elif rover.state in ("docked", "undocking"):
+        rover.state = "idle"
+        rover.arrived_at, rover.arrival_pose = command.location, rover.pose
+
+
+def _fail(mission: Mission, robot_id: str, command_id: str, time_s: float, reason: str) -> None:
+    if command_id in mission.closed:
+        return
+    command = mission.orders[command_id]
+    mission.close_command(robot_id, command_id)
+    mission.disturb()
+    mission.count_failure(robot_id, command)
+    mission.decide(
+        time_s,
+        "command failed",
+        f"{robot_id} gave up {command.kind} {command.location or ''}: {reason}",
+    )

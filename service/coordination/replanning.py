@@ -1,0 +1,193 @@
+"""Facts in, decisions out: when a mission is planned again, and what comes of a proposal.
+
+Planning runs elsewhere on a frozen snapshot while reports go on; what has become pointless in the
+meantime is left out when the proposal is turned into commands. Facts that come together, or while a
+decision is made, share the next one: there is never more than one under way.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from semantic_attachments.contract import Memory
+from semantic_attachments.world import GridMap, RobotModel
+from service.coordination import dispatch
+from service.coordination.deliberation import Decided, Deliberation, within_load
+from service.coordination.events import OrdersIssued, PlanKept, PlanningFailed
+from service.coordination.ledger import Ledger
+from service.coordination.meeting_points import meeting_points
+from service.coordination.mission import Mission
+from service.coordination.ports import Observer, Planners, StoreError
+from service.coordination.situation import situation
+from service.coordination.strategy import NoPlanError, Situation, Strategy
+from service.messages.report import Command
+
+LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class LoopParameters:
+    """How the loop paces itself."""
+
+    debounce_s: float = 0.05
+    """Facts within this time share one replan, unless somebody waits [wall clock]."""
+    idle_replan_s: float = 30.0
+    """An idle robot gets a fresh look after this time [fleet clock]."""
+    give_up_s: float = 60.0
+    """A robot that is late by that much and stands still has failed its command [fleet clock]."""
+    hopeless_s: float = 300.0
+    """A mission fails when for so long the team could do nothing [fleet clock]."""
+    retry_s: float = 1.0
+    """When to try again after the log refused [wall clock]."""
+
+
+class Replanning:
+    """Makes the decisions of one mission."""
+
+    def __init__(
+        self,
+        ledger: Ledger,
+        *,
+        grid: GridMap,
+        models: Mapping[str, RobotModel],
+        strategy: Strategy,
+        planners: Planners,
+        parameters: LoopParameters,
+        observer: Observer,
+    ) -> None:
+        self.grid = grid
+        self.looked_at_s = 0.0
+        """Mission time of the latest snapshot."""
+        self._ledger = ledger
+        self._models = models
+        self._meeting_points = meeting_points(grid, models)
+        self._strategy = strategy
+        self._planners = planners
+        self._parameters = parameters
+        self._observer = observer
+        self._memory = Memory()
+        self._facts: list[str] = []
+        self._facts_since_s = 0.0
+        self._replanning: asyncio.Task[None] | None = None
+        self._quiet = asyncio.Event()
+        self._quiet.set()
+        self._waiters = 0
+
+    def ask(self, found: Sequence[str]) -> None:
+        """Asks for a replan because of these facts."""
+        if not self._facts:
+            self._facts_since_s = time.monotonic()
+        self._observer.noticed(len(found))
+        self._facts += found
+        self._quiet.clear()
+        if self._replanning is None or self._replanning.done():
+            self._replanning = asyncio.get_running_loop().create_task(self._replan_until_quiet())
+
+    async def settle(self, timeout_s: float) -> None:
+        """Waits until no replan is under way, but not longer than that."""
+        self._waiters += 1
+        try:
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._quiet.wait(), timeout_s)
+        finally:
+            self._waiters -= 1
+
+    async def stop(self) -> None:
+        """Lets go of the mission; it stays in the log as it is."""
+        if self._replanning is not None:
+            self._replanning.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._replanning
+
+    async def _replan_until_quiet(self) -> None:
+        try:
+            while self._facts and not self._ledger.mission.is_over:
+                if self._waiters == 0:
+                    await asyncio.sleep(self._parameters.debounce_s)
+                found, self._facts = self._facts, []
+                since_s = self._facts_since_s
+                try:
+                    outcome = await self._replan_once("; ".join(dict.fromkeys(found)))
+                    self._observe(outcome, time.monotonic() - since_s)
+                except StoreError as error:
+                    LOG.error("mission %s: %s; trying again", self._ledger.mission.id, error)
+                    self._facts = found + self._facts
+                    await asyncio.sleep(self._parameters.retry_s)
+        finally:
+            self._quiet.set()
+
+    def _observe(self, outcome: str, duration_s: float) -> None:
+        plan = self._ledger.mission.plan if outcome == "new plan" else None
+        makespan_s = None if plan is None else plan.end_s - plan.adopted_at_s
+        self._observer.replanned(outcome, duration_s, makespan_s)
+
+    async def _replan_once(self, trigger: str) -> str:
+        async with self._ledger.locked() as mission:
+            snapshot = situation(mission, self.grid, self._models, self._meeting_points, trigger)
+            events = mission.events
+        self.looked_at_s = snapshot.state.time_s
+        snapshot = replace(snapshot, planning=within_load(snapshot.planning, self._planners.load))
+        return await self._decide(snapshot, events)
+
+    async def _decide(self, snapshot: Situation, events: int) -> str:
+        """How the decision on a snapshot of that many events ended, in a word or two."""
+        hopeless = False
+        try:
+            decision = await self._planners.run(
+                Deliberation(self._strategy, self._memory), snapshot
+            )
+        except NoPlanError as error:
+            outcome: Decided | str = f"{snapshot.trigger}: {error}"
+            hopeless = True
+        except Exception as error:
+            LOG.exception("mission %s: the strategy failed", self._ledger.mission.id)
+            outcome = f"{snapshot.trigger}: the strategy failed: {error}"
+        else:
+            outcome = decision
+        async with self._ledger.locked() as mission:
+            if mission.is_over:
+                return "mission over"
+            if isinstance(outcome, str):
+                time_s = mission.time_s
+                # What has happened in the meantime gives hope.
+                hopeless = hopeless and not self._facts
+                await self._ledger.record(
+                    [PlanningFailed(time_s=time_s, reason=outcome, hopeless=hopeless)]
+                )
+                return "no plan"
+            return await self._adopt(snapshot, events, outcome)
+
+    async def _adopt(self, snapshot: Situation, events: int, decided: Decided) -> str:
+        mission, proposal = self._ledger.mission, decided.proposal
+        revision = mission.revision + 1
+        commands = dispatch.commands(mission, decided.orders, revision)
+        reason = f"{snapshot.trigger}: {proposal.reason}"
+        if proposal.keeps_plan and _unchanged(mission, commands):
+            await self._ledger.record([PlanKept(time_s=mission.time_s, reason=reason)])
+            return "plan kept"
+        await self._ledger.record(
+            [
+                OrdersIssued(
+                    time_s=mission.time_s,
+                    revision=revision,
+                    reason=reason,
+                    commands=commands,
+                    new_plan=not proposal.keeps_plan,
+                    steps=[] if proposal.keeps_plan else list(proposal.steps),
+                    validated=proposal.validated,
+                    remarks=dict(proposal.remarks),
+                    done=[] if proposal.keeps_plan else mission.done[len(snapshot.done) :],
+                    disturbed=mission.disturbed_by > events,
+                )
+            ]
+        )
+        return "next steps" if proposal.keeps_plan else "new plan"
+
+
+def _unchanged(mission: Mission, commands: Sequence[Command]) -> bool:
+    return {command.robot: command.id for command in commands} == {
+        robot: command.id for robot, command in mission.commands.items()
+    }
