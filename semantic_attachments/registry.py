@@ -54,7 +54,8 @@ def own(name: str) -> Attachment | None:
     if name not in OWN:
         return None
     module = import_module(f"semantic_attachments.{OWN[name]}")
-    return next(one for one in module.ATTACHMENTS if one.name.lower() == name)
+    attachments: tuple[Attachment, ...] = module.ATTACHMENTS
+    return next(one for one in attachments if one.name.lower() == name)
 
 
 @cache

@@ -76,7 +76,8 @@ def plain_request(words: Sequence[str]) -> PlanRequest | None:
     )
     outputs = Outputs(*(given.get(name) for name in ("plan-file", "json", "svg", "html")))
     return PlanRequest(
-        *files,
+        domain=files[0],
+        problem=files[1],
         map=given.get("map"),
         limits=limits,
         outputs=outputs,
