@@ -5,7 +5,7 @@ Source: https://wiki.ros.org/map_server, "Map format" and "Value interpretation"
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import yaml
@@ -15,6 +15,8 @@ from PIL import Image, UnidentifiedImageError
 from semantic_attachments.grid_map import GridMap
 
 _MODES = ("trinary", "scale", "raw")
+_FORMATS = ("PPM", "PNG", "BMP", "TIFF", "JPEG", "GIF")
+"""Image formats of maps in the wild; PPM includes PGM and PBM."""
 
 
 class MapFileError(ValueError):
@@ -43,17 +45,50 @@ def read_map(path: str | Path) -> GridMap:
     """
     path = Path(path)
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+        header = read_header(path.read_text(encoding="utf-8"), str(path))
     except FileNotFoundError:
         raise MapFileError(f"{path}: there is no such map file") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise MapFileError(f"{path}: this is not YAML: {error}") from None
-    if not isinstance(document, dict):
-        raise MapFileError(f"{path}: a map file has the fields image, resolution and origin")
-    image_path = path.parent / str(_field(document, "image", path))
-    origin = _field(document, "origin", path)
+    image_path = path.parent / header.image
     try:
-        resolution_m = float(_field(document, "resolution", path))
+        return map_of(header, image_path)
+    except FileNotFoundError:
+        raise MapFileError(f"{path}: its image {image_path} does not exist") from None
+    except (UnidentifiedImageError, OSError) as error:
+        raise MapFileError(f"{path}: its image {image_path} cannot be read: {error}") from None
+    except ValueError as error:
+        raise MapFileError(f"{path}: {error}") from None
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """What the YAML file says."""
+
+    image: str
+    """Path of the image, relative to the YAML file."""
+    resolution_m: float
+    origin_m: tuple[float, float]
+    """Lower left corner of the image in the map frame."""
+    interpretation: Interpretation
+
+
+def read_header(text: str, name: str) -> Header:
+    """Reads the text of a map_server YAML file; `name` is shown in errors.
+
+    Raises:
+        MapFileError: if it is malformed, or the map's frame is turned.
+    """
+    try:
+        document = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise MapFileError(f"{name}: this is not YAML: {error}") from None
+    if not isinstance(document, dict):
+        raise MapFileError(f"{name}: a map file has the fields image, resolution and origin")
+    image = str(_field(document, "image", name))
+    origin = _field(document, "origin", name)
+    try:
+        resolution_m = float(_field(document, "resolution", name))
         x, y, yaw = (float(value) for value in [*origin, 0.0][:3])
         interpretation = Interpretation(
             negate=bool(int(document.get("negate", 0))),
@@ -62,22 +97,30 @@ def read_map(path: str | Path) -> GridMap:
             mode=str(document.get("mode", "trinary")),
         )
     except (TypeError, ValueError) as error:
-        raise MapFileError(f"{path}: a field is not a number: {error}") from None
+        raise MapFileError(f"{name}: a field is not a number: {error}") from None
     if yaw != 0.0:
-        raise MapFileError(f"{path}: origin has a yaw of {yaw}; turn the image instead (yaw 0)")
+        raise MapFileError(f"{name}: origin has a yaw of {yaw}; turn the image instead (yaw 0)")
     if interpretation.mode not in _MODES:
-        raise MapFileError(f"{path}: mode {interpretation.mode!r} is none of {', '.join(_MODES)}")
-    try:
-        with Image.open(image_path) as image:
-            cells = occupancy(_channels(image), interpretation)
-    except FileNotFoundError:
-        raise MapFileError(f"{path}: its image {image_path} does not exist") from None
-    except (UnidentifiedImageError, OSError) as error:
-        raise MapFileError(f"{path}: its image {image_path} cannot be read: {error}") from None
-    try:
-        return GridMap(cells=cells[::-1], resolution_m=resolution_m, origin_m=(x, y))
-    except ValueError as error:
-        raise MapFileError(f"{path}: {error}") from None
+        raise MapFileError(f"{name}: mode {interpretation.mode!r} is none of {', '.join(_MODES)}")
+    return Header(image, resolution_m, (x, y), interpretation)
+
+
+def map_of(header: Header, image: Path | BinaryIO, most_cells: int | None = None) -> GridMap:
+    """The map that an image shows, be it a file or an open stream.
+
+    Args:
+        most_cells: larger images are refused before they are decoded.
+
+    Raises:
+        OSError: if the image cannot be read.
+        ValueError: if it is too large, or no map.
+    """
+    with Image.open(image, formats=_FORMATS) as opened:
+        width, height = opened.size
+        if most_cells is not None and width * height > most_cells:
+            raise ValueError(f"the image has {width} x {height} pixels; {most_cells} are accepted")
+        cells = occupancy(_channels(opened), header.interpretation)
+    return GridMap(cells=cells[::-1], resolution_m=header.resolution_m, origin_m=header.origin_m)
 
 
 def occupancy(pixels: NDArray[np.uint8], interpretation: Interpretation) -> NDArray[np.int8]:
@@ -111,7 +154,7 @@ def _channels(image: Image.Image) -> NDArray[np.uint8]:
     return pixels[:, :, None] if pixels.ndim == 2 else pixels
 
 
-def _field(document: dict[str, Any], name: str, path: Path) -> Any:
+def _field(document: dict[str, Any], name: str, where: str) -> Any:
     if document.get(name) is None:
-        raise MapFileError(f"{path}: the field {name} is missing")
+        raise MapFileError(f"{where}: the field {name} is missing")
     return document[name]

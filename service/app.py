@@ -18,11 +18,22 @@ from service.jobs.process_pool import PoolParameters, ProcessPool
 from service.jobs.threads import PlanningThreads
 from service.metrics import Metrics
 from service.observation import Observation
-from service.routes import editors, mission_changes, mission_events, missions, operations, plans
+from service.resources.library import Library
+from service.routes import (
+    domains,
+    editors,
+    maps,
+    mission_changes,
+    mission_events,
+    missions,
+    operations,
+    plans,
+)
 from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
 from service.store.plan_store import PlanStore
+from service.store.resource_store import ResourceStore
 from service.store.schema import prepare
 
 
@@ -46,6 +57,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         )
         app.state.store, app.state.executor = store, pool
         app.state.planning_requests = PlanningRequests(PlanStore(engine), pool, catalogue.ROOT)
+        library = Library(ResourceStore(engine))
+        await to_thread.run_sync(library.install_built_in)
+        app.state.library = library
         planners = PlanningThreads(settings.planning_workers)
         app.state.missions = Missions(
             store,
@@ -57,7 +71,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
                 give_up_s=settings.give_up_s,
                 hopeless_s=settings.hopeless_s,
             ),
-            metrics,
+            observer=metrics,
+            resources=library,
             max_missions=settings.max_missions,
             max_map_cells=settings.max_map_cells,
         )
@@ -83,8 +98,17 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.gate = Gate(settings.api_keys)
     app.add_middleware(Observation, metrics=metrics)
     problem_details.install(app)
-    nouns = (missions, mission_changes, plans, editors)
+    nouns = (missions, mission_changes, plans, domains, maps, editors)
     json_body.install_openapi(app, [body for noun in nouns for body in noun.BODIES])
-    for noun in (operations, missions, mission_changes, mission_events, plans, editors):
+    for noun in (
+        operations,
+        missions,
+        mission_changes,
+        mission_events,
+        plans,
+        domains,
+        maps,
+        editors,
+    ):
         app.include_router(noun.ROUTER)
     return app

@@ -99,8 +99,13 @@ def invalid(errors: Sequence[tuple[str, str]]) -> ProblemError:
 
 
 def pointer(path: Sequence[int | str]) -> str:
-    """A JSON pointer (RFC 6901)."""
-    return "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in path)
+    """A JSON pointer (RFC 6901); tags of unions, which are in brackets, are no part of a body."""
+    parts = [str(part) for part in path]
+    return "".join(
+        "/" + part.replace("~", "~0").replace("/", "~1")
+        for part in parts
+        if not (part.startswith("(") and part.endswith(")"))
+    )
 
 
 def from_validation(error: ValidationError) -> ProblemError:

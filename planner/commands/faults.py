@@ -4,6 +4,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import typer
+
 from planner.diagnostics import PlannerError
 from planner.outcome import Outcome
 
@@ -18,7 +20,7 @@ def told() -> Iterator[None]:
         if error.__cause__ is not None:
             cause = error.__cause__
             sys.stderr.write(f"  because {type(cause).__name__}: {cause}\n")
-        raise SystemExit(error.outcome.row.exit_code) from None
+        raise typer.Exit(error.outcome.row.exit_code) from None
     except OSError as error:
         sys.stderr.write(f"cannot use {error.filename}: {error.strerror}\n")
-        raise SystemExit(Outcome.INPUT_ERROR.row.exit_code) from None
+        raise typer.Exit(Outcome.INPUT_ERROR.row.exit_code) from None

@@ -1,7 +1,7 @@
 """What must be true of a mission and of a report beyond the shape of their JSON."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +16,12 @@ from service.coordination.known_map import (
     read_terrain,
 )
 from service.coordination.mission import Mission
-from service.coordination.strategies import serves
-from service.coordination.strategy import Strategy
+from service.coordination.ports import Fault
 from service.messages.base import Position
 from service.messages.instruction import Instruction
-from service.messages.mission import CreateMission, MapMessage, RobotMessage, TargetMessage
+from service.messages.map_grid import MapMessage
+from service.messages.mission import CreateMission, RobotMessage, TargetMessage
 from service.messages.report import Report
-
-Fault = tuple[str, str]
-"""JSON pointer and message."""
 
 _ROBOTS = re.compile(r"^\s*([\w -]+?)\s+-\s+robot\s*\)?\s*$", re.MULTILINE)
 """The subtypes of `robot` in a domain's types section, one parent a line."""
@@ -58,7 +55,7 @@ def _misplaced(cells: NDArray[np.int8], message: MapMessage, position_m: Positio
 
 
 def mission_faults(
-    request: CreateMission, strategies: Mapping[str, Strategy], max_cells: int
+    request: CreateMission, strategies: Iterable[str], max_cells: int
 ) -> list[Fault]:
     """Everything that keeps a mission from being accepted; empty if nothing does."""
     faults: list[Fault] = []
@@ -66,20 +63,10 @@ def mission_faults(
         catalogue.load(request.domain)
     except catalogue.UnknownDomainError as error:
         faults.append(("/domain", str(error)))
-    fitting = sorted(
-        name for name, strategy in strategies.items() if serves(strategy, request.domain)
-    )
+    strategies = sorted(strategies)
     if request.strategy not in strategies:
         faults.append(
-            ("/strategy", f"no strategy {request.strategy!r}: there are {', '.join(fitting)}")
-        )
-    elif request.strategy not in fitting:
-        faults.append(
-            (
-                "/strategy",
-                f"strategy {request.strategy!r} is not made for the domain {request.domain!r}: "
-                f"use {', '.join(fitting)}",
-            )
+            ("/strategy", f"no strategy {request.strategy!r}: there are {', '.join(strategies)}")
         )
     faults += _map_faults(request, max_cells)
     faults += _type_faults(request)

@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 
 from semantic_attachments.world import GridMap, RobotModel
 from service.coordination import facts
-from service.coordination.admission import Fault, report_faults
+from service.coordination.admission import report_faults
 from service.coordination.events import CommandGivenUp, Event, ReportAccepted, RobotLost
 from service.coordination.ledger import Ledger
 from service.coordination.mission import Mission
-from service.coordination.ports import EventLog, Observer, Planners
+from service.coordination.ports import EventLog, Fault, Observer, Planners
 from service.coordination.replanning import LoopParameters, Replanning
 from service.coordination.strategy import Strategy
 from service.messages.report import MissionSummary, Report, ReportAnswer

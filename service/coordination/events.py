@@ -13,6 +13,7 @@ from service.messages.instruction import Instruction
 from service.messages.mission import CreateMission, RobotMessage, TargetMessage
 from service.messages.plan import PlanStep
 from service.messages.report import Command, Report
+from service.messages.resource import UsedResource
 
 TerminalStatus = Literal["completed", "failed", "canceled"]
 
@@ -26,6 +27,10 @@ class MissionCreated(Message):
     idempotency_key: str | None = None
     body_digest: str | None = None
     """SHA-256 of the request, to tell a repetition from another mission under the same key."""
+    domain_text: str | None = None
+    """The PDDL that it plans with until it ends; None in logs older than versioned domains."""
+    resources: list[UsedResource] = Field(default_factory=list)
+    """Versions of domains and maps that it uses."""
 
 
 class ReportAccepted(Message):

@@ -32,6 +32,8 @@ def created(event: MissionCreated) -> Mission:
         request=request,
         robots={robot.id: fleet_robot(robot, 0.0) for robot in request.robots},
         targets={t.id: MissionTarget(t.id, t.position_m) for t in request.targets},
+        domain_text=event.domain_text,
+        resources=tuple(event.resources),
         events=1,
     )
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from semantic_attachments.world import GridMap, RobotModel
 from service.messages.base import Position
-from service.messages.mission import CreateMission, MapMessage
+from service.messages.map_grid import MapMessage
+from service.messages.mission import CreateMission
 
 OCCUPIED_FROM = 65
 """The occupancy from which map_server calls a cell occupied by default [percent]."""

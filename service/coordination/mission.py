@@ -8,6 +8,7 @@ from service.messages.instruction import Instruction
 from service.messages.mission import CreateMission
 from service.messages.plan import Decision, PlanStep
 from service.messages.report import Command, MissionStatus
+from service.messages.resource import UsedResource
 
 DECISIONS_KEPT = 200
 
@@ -74,6 +75,10 @@ class Mission:
     request: CreateMission
     robots: dict[str, FleetRobot]
     targets: dict[str, MissionTarget]
+    domain_text: str | None = None
+    """The PDDL that it plans with; None for that of the formulation's folder."""
+    resources: tuple[UsedResource, ...] = ()
+    """Versions of domains and maps that it keeps until it ends."""
     blockades: dict[str, MissionBlockade] = field(default_factory=dict)
     status: MissionStatus = "queued"
     status_reason: str = "waiting for the fleet's first report"

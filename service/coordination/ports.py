@@ -1,9 +1,15 @@
 """What the coordination loop needs of the rest of the service."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from service.coordination.events import Event
+from service.messages.mission import CreateMission, MissionRequest
+from service.messages.resource import UsedResource
+
+Fault = tuple[str, str]
+"""JSON pointer and message."""
 
 
 class StoreError(Exception):
@@ -19,6 +25,35 @@ class EventLog(Protocol):
 
     def events(self, mission_id: str) -> Iterable[Event]:
         """A mission's events in order."""
+        ...
+
+
+@dataclass(frozen=True)
+class ResolvedMission:
+    """A mission with the versions of domain and map that it keeps."""
+
+    request: CreateMission
+    domain_text: str
+    used: tuple[UsedResource, ...]
+
+
+class UnresolvedError(Exception):
+    """A mission or planning request that names what is not there."""
+
+    def __init__(self, faults: list[Fault]) -> None:
+        super().__init__(faults[0][1])
+        self.faults = faults
+
+
+class Resources(Protocol):
+    """What domains and maps are called."""
+
+    async def mission(self, request: MissionRequest) -> ResolvedMission:
+        """A mission with its domain and map.
+
+        Raises:
+            UnresolvedError: it names what is not there.
+        """
         ...
 
 

@@ -5,16 +5,16 @@ import hashlib
 import uuid
 from collections.abc import Mapping
 
-from service.coordination.admission import Fault, mission_faults
+from service.coordination.admission import mission_faults
 from service.coordination.coordinator import Coordinator
 from service.coordination.events import Event, MissionCreated
 from service.coordination.history import created, rebuilt
 from service.coordination.known_map import grid_map, robot_models
 from service.coordination.mission import Mission
-from service.coordination.ports import Observer, Planners
+from service.coordination.ports import Fault, Observer, Planners, Resources, UnresolvedError
 from service.coordination.replanning import LoopParameters
 from service.coordination.strategy import Strategy
-from service.messages.mission import CreateMission
+from service.messages.mission import MissionRequest
 from service.store.event_store import EventStore
 
 
@@ -43,8 +43,9 @@ class Missions:
         strategies: Mapping[str, Strategy],
         planners: Planners,
         parameters: LoopParameters,
-        observer: Observer,
         *,
+        observer: Observer,
+        resources: Resources,
         max_missions: int,
         max_map_cells: int,
     ) -> None:
@@ -53,6 +54,7 @@ class Missions:
         self._planners = planners
         self._parameters = parameters
         self._observer = observer
+        self._resources = resources
         self._max_missions = max_missions
         self._max_map_cells = max_map_cells
         self._open: dict[str, Coordinator] = {}
@@ -69,11 +71,12 @@ class Missions:
         return len(self._open)
 
     async def create(
-        self, request: CreateMission, idempotency_key: str | None = None
+        self, request: MissionRequest, idempotency_key: str | None = None
     ) -> Coordinator:
         """A new mission, stored before it is returned.
 
         Args:
+            request: what it names is looked up once; the mission keeps these versions.
             idempotency_key: the same key with the same request gives the same mission.
 
         Raises:
@@ -84,7 +87,7 @@ class Missions:
         async with self._creating:
             return await self._create(request, idempotency_key)
 
-    async def _create(self, request: CreateMission, idempotency_key: str | None) -> Coordinator:
+    async def _create(self, request: MissionRequest, idempotency_key: str | None) -> Coordinator:
         digest = hashlib.sha256(request.model_dump_json().encode()).hexdigest()
         if idempotency_key is not None:
             before = await asyncio.to_thread(self._store.created_under, idempotency_key)
@@ -97,12 +100,18 @@ class Missions:
         self._forget_closed()
         if len(self._open) >= self._max_missions:
             raise FullError(f"{len(self._open)} missions are open, which is all that is allowed")
-        faults = mission_faults(request, self._strategies, self._max_map_cells)
+        try:
+            resolved = await self._resources.mission(request)
+        except UnresolvedError as error:
+            raise MissionRefusedError(error.faults) from None
+        faults = mission_faults(resolved.request, self._strategies, self._max_map_cells)
         if faults:
             raise MissionRefusedError(faults)
         event = MissionCreated(
             id=uuid.uuid4().hex,
-            request=request,
+            request=resolved.request,
+            domain_text=resolved.domain_text,
+            resources=list(resolved.used),
             idempotency_key=idempotency_key,
             body_digest=digest,
         )

@@ -94,6 +94,7 @@ def situation(
     """The snapshot that a decision is made on."""
     return Situation(
         domain=mission.request.domain,
+        domain_text=mission.domain_text,
         state=mission_state(mission, meeting_points),
         grid=grid,
         models=models,

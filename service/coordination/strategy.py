@@ -23,6 +23,7 @@ class Situation:
     """All that a decision may depend on."""
 
     domain: str
+    """Name of the formulation."""
     state: MissionState
     grid: GridMap
     """The map without blockades; those known are in `state`."""
@@ -31,6 +32,8 @@ class Situation:
     planning: PlanningMessage
     trigger: str
     """The facts that ask for a decision, for the log."""
+    domain_text: str | None = None
+    """The PDDL to plan with; None for that of the formulation's folder."""
     version: int = 0
     """Changes whenever the grid does."""
     in_force: tuple[PlanStep, ...] = ()

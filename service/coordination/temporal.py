@@ -18,7 +18,7 @@ from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
-from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
+from service.coordination.hungarian import being_cleared, clear_nearest, free
 from service.coordination.plan_progress import Remainder, from_here, remainder
 from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
@@ -67,6 +67,7 @@ class Planning:
     situation: Situation
     memory: Memory
     formulation: Formulation
+    domain: planner.Domain
     world: World
     attachments: Mapping[str, Evaluator]
 
@@ -74,10 +75,16 @@ class Planning:
     def of(cls, situation: Situation, memory: Memory) -> "Planning":
         """Binds the domain's attachments to the situation's world."""
         formulation = catalogue.load(situation.domain)
+        # As bytes: a text from a request is never taken for a path.
+        text = situation.domain_text
+        domain = planner.read_domain(formulation.domain_path if text is None else text.encode())
         state = situation.state
         world = formulation.world(state, situation.grid, situation.models, situation.version)
         names = formulation.names(state)
-        bound: dict[str, Evaluator] = dict(bind(formulation.attachments, world, memory=memory))
+        needed = [*formulation.attachments]
+        known = {name.lower() for name in needed}
+        needed += [module.name for module in domain.modules if module.name.lower() not in known]
+        bound: dict[str, Evaluator] = dict(bind(needed, world, memory=memory))
         if situation.avoid:
             pairs = {
                 (names.name(robot), names.name(place))
@@ -85,7 +92,7 @@ class Planning:
                 if robot in names and place in names
             }
             bound["pathCost"] = RestrictedCosts(bound["pathCost"], frozenset(pairs))
-        return cls(situation, memory, formulation, world, bound)
+        return cls(situation, memory, formulation, domain, world, bound)
 
     def propose(self) -> Proposal:
         """The plan in force if it is as good, a new one otherwise."""
@@ -163,15 +170,13 @@ class Planning:
             return first
         both = planner.Plan(tuple(sorted([*first, *second], key=lambda step: step.start)))
         problem = self.formulation.problem(self.world, state, sorted({*urgent, *rest}))
-        verdict = planner.validate(
-            self.formulation.domain_path, problem, both, attachments=self.attachments
-        )
+        verdict = planner.validate(self.domain, problem, both, attachments=self.attachments)
         return both if verdict.valid else first
 
     def _solve(self, state: MissionState, goals: Collection[str]) -> planner.Plan:
         planning = self.situation.planning
         result = planner.solve(
-            self.formulation.domain_path,
+            self.domain,
             self.formulation.problem(self.world, state, sorted(goals)),
             attachments=self.attachments,
             timeout_s=planning.time_limit_s,

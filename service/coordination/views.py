@@ -31,7 +31,11 @@ def mission_detail(mission: Mission) -> MissionDetail:
         id=mission.id,
         name=mission.request.name,
         fleet=mission.request.fleet,
-        domain=mission.request.domain,
+        domain=next(
+            (used.name for used in mission.resources if used.kind == "domain"),
+            mission.request.domain,
+        ),
+        resources=list(mission.resources),
         strategy=mission.request.strategy,
         status=mission.status,
         status_reason=mission.status_reason,

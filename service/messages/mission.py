@@ -1,26 +1,12 @@
 """`POST /v1/missions`: what a fleet tells about itself, its map and its task."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
-from service.messages.base import Coordinate, Identifier, Message, Pose, Position, Seconds, Text
-
-
-class MapMessage(Message):
-    """An occupancy grid: `int8` cells from the bottom row, zlib in base64."""
-
-    resolution_m: Annotated[float, Field(ge=0.001, le=100.0)]
-    origin_m: tuple[Coordinate, Coordinate]
-    width: Annotated[int, Field(ge=1, le=100_000)]
-    height: Annotated[int, Field(ge=1, le=100_000)]
-    encoding: Literal["zlib+base64"] = "zlib+base64"
-    cells: str
-    terrain: str | None = None
-    """`uint8` cells in the same encoding: an index into `terrain_classes`."""
-    terrain_classes: list[Identifier] = Field(
-        default_factory=lambda: ["default"], min_length=1, max_length=255
-    )
+from service.messages.base import Identifier, Message, Pose, Position, Seconds, Text
+from service.messages.map_grid import MapMessage
+from service.messages.resource import MapOrReference, Reference
 
 
 class RobotTypeMessage(Message):
@@ -61,18 +47,31 @@ class PlanningMessage(Message):
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0
 
 
-class CreateMission(Message):
-    """A mission as the fleet asks for it."""
+class Task(Message):
+    """What a mission is about, apart from domain and map."""
 
     name: Text
     fleet: Identifier = "default"
     """Whose mission it is; keys may be limited to fleets."""
-    domain: Identifier
     strategy: Identifier = "planner"
-    map: MapMessage
     robot_types: Annotated[dict[Identifier, RobotTypeMessage], Field(min_length=1, max_length=100)]
     robots: Annotated[list[RobotMessage], Field(min_length=1, max_length=1000)]
     targets: Annotated[list[TargetMessage], Field(max_length=10_000)]
     planning: PlanningMessage = PlanningMessage()
     lease_s: Seconds = 30.0
     """A robot missing from the reports for longer is planned around until it reports again [s]."""
+
+
+class MissionRequest(Task):
+    """A mission as the fleet asks for it: domain and map may be names of what the service keeps."""
+
+    domain: Reference
+    map: MapOrReference
+
+
+class CreateMission(Task):
+    """A mission with the map and the domain that it keeps as long as it lasts."""
+
+    domain: Identifier
+    """The formulation: how its problems are posed and its plans are read."""
+    map: MapMessage

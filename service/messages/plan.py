@@ -3,6 +3,7 @@
 from service.messages.base import Identifier, Message, Pose, Position, Seconds
 from service.messages.instruction import InstructionStatus
 from service.messages.report import MissionStatus, RobotActivity
+from service.messages.resource import UsedResource
 
 
 class PlanStep(Message):
@@ -80,6 +81,8 @@ class MissionDetail(Message):
     name: str
     fleet: str
     domain: str
+    resources: list[UsedResource]
+    """Versions of domains and maps that it keeps until it ends."""
     strategy: str
     status: MissionStatus
     status_reason: str

@@ -5,19 +5,17 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from service.messages.base import Identifier, Message
-from service.messages.mission import MapMessage, RobotTypeMessage
+from service.messages.map_grid import MapMessage
+from service.messages.mission import RobotTypeMessage
+from service.messages.resource import MapOrReference, Reference
 
 PlanStatus = Literal["queued", "running", "finished", "failed", "canceled"]
 
 
-class PlanRequest(Message):
-    """A problem to solve; the domain is one of the server's, or a text."""
+class PlanTask(Message):
+    """A problem to solve, apart from domain and map."""
 
-    domain: Identifier | None = None
-    domain_text: str | None = None
     problem: str
-    map: MapMessage | None = None
-    """What the domain's attachments work on; positions are the problem's fluents."""
     robot_types: dict[Identifier, RobotTypeMessage] = Field(default_factory=dict, max_length=100)
     time_limit_s: Annotated[float, Field(gt=0.0, le=3600.0)] = 10.0
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0
@@ -27,11 +25,29 @@ class PlanRequest(Message):
     priority: Annotated[int, Field(ge=0, le=9)] = 0
     """Requests of higher priority go first."""
 
+
+class PlanSubmission(PlanTask):
+    """`POST /v1/plans`: the domain is one that the service keeps, or a text."""
+
+    domain: Reference | None = None
+    domain_text: str | None = None
+    map: MapOrReference | None = None
+    """What the domain's attachments work on; positions are the problem's fluents."""
+
     @model_validator(mode="after")
-    def _one_domain(self) -> "PlanRequest":
+    def _one_domain(self) -> "PlanSubmission":
         if (self.domain is None) == (self.domain_text is None):
             raise ValueError("give either domain (a name) or domain_text (PDDL), one of them")
         return self
+
+
+class PlanRequest(PlanTask):
+    """A problem to solve, complete."""
+
+    domain: Identifier | None = None
+    """A built-in domain, in requests stored by older versions."""
+    domain_text: str | None = None
+    map: MapMessage | None = None
 
 
 class StepOut(Message):

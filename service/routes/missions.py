@@ -17,7 +17,7 @@ from service.coordination.registry import (
 )
 from service.coordination.views import known_map, mission_detail, plan_in_force
 from service.json_body import described, json_body
-from service.messages.mission import CreateMission
+from service.messages.mission import MissionRequest
 from service.messages.plan import KnownMap, MissionDetail, PlanInForce
 from service.messages.report import MissionSummary, Report, ReportAnswer
 from service.problem_details import ProblemError, invalid, not_found
@@ -26,7 +26,7 @@ from service.settings import Settings
 ROUTER = APIRouter(
     prefix="/v1/missions", tags=["missions"], dependencies=[Depends(needs("operate"))]
 )
-BODIES = (CreateMission, Report)
+BODIES = (MissionRequest, Report)
 _WAIT = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6})\"?(?=$|[,;\s])", re.IGNORECASE)
 
 
@@ -86,10 +86,10 @@ async def list_missions(
     ]
 
 
-@ROUTER.post("", status_code=HTTPStatus.CREATED, openapi_extra=described(CreateMission))
+@ROUTER.post("", status_code=HTTPStatus.CREATED, openapi_extra=described(MissionRequest))
 async def create_mission(
     request: Request,
-    body: Annotated[CreateMission, Depends(json_body(CreateMission))],
+    body: Annotated[MissionRequest, Depends(json_body(MissionRequest))],
     all_missions: Annotated[Missions, Depends(missions)],
     response: Response,
     idempotency_key: Annotated[str | None, Header(max_length=200)] = None,

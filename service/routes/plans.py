@@ -9,21 +9,21 @@ from fastapi import APIRouter, Depends, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 import planner
-from domains import catalogue
 from service.access import caller_of, needs
 from service.coordination.known_map import MapError, read_cells, read_terrain
-from service.coordination.ports import StoreError
+from service.coordination.ports import StoreError, UnresolvedError
 from service.jobs.executor import QueueFullError
 from service.jobs.planning_requests import Following, PlanningRequests, result
 from service.json_body import described, json_body
-from service.messages.planning import PlanRequest, PlanResult
+from service.messages.planning import PlanRequest, PlanResult, PlanSubmission
 from service.problem_details import Diagnostic, ProblemError, invalid, not_found
+from service.resources.library import Library
 from service.routes.mission_events import first_wanted
 from service.routes.missions import unavailable, wait_s
 from service.settings import Settings
 
 ROUTER = APIRouter(prefix="/v1/plans", tags=["plans"], dependencies=[Depends(needs("operate"))])
-BODIES = (PlanRequest,)
+BODIES = (PlanSubmission,)
 
 
 def requests(request: Request) -> PlanningRequests:
@@ -57,13 +57,7 @@ def checked(body: PlanRequest, settings: Settings) -> None:
             limit = settings.max_pddl_bytes
             raise invalid([(where, f"is longer than the {limit} bytes this server accepts")])
     try:
-        if body.domain is not None:
-            path = catalogue.load(body.domain).domain_path
-            domain = planner.read_domain(path)
-        else:
-            domain = planner.read_domain((body.domain_text or "").encode())
-    except catalogue.UnknownDomainError as error:
-        raise invalid([("/domain", str(error))]) from None
+        domain = planner.read_domain((body.domain_text or "").encode())
     except planner.PddlError as error:
         raise pddl_problem("/domain_text", error) from None
     try:
@@ -106,20 +100,26 @@ def pddl_problem(where: str, error: planner.PddlError) -> ProblemError:
 @ROUTER.post(
     "",
     status_code=HTTPStatus.ACCEPTED,
-    openapi_extra=described(PlanRequest),
+    openapi_extra=described(PlanSubmission),
     responses={200: {"model": PlanResult, "description": "It ended while the sender waited."}},
 )
 async def submit(
     request: Request,
-    body: Annotated[PlanRequest, Depends(json_body(PlanRequest))],
+    body: Annotated[PlanSubmission, Depends(json_body(PlanSubmission))],
     all_requests: Requests,
     wait: Annotated[float, Depends(wait_s)],
     response: Response,
 ) -> PlanResult:
     """Accepts a problem to solve: 202 and where to look, or the result within `Prefer: wait=N`."""
-    await anyio.to_thread.run_sync(checked, body, request.app.state.settings)
+    caller = caller_of(request)
+    kept: Library = request.app.state.library
     try:
-        accepted = await all_requests.submit(body, caller_of(request).name)
+        work = await kept.planning(body, caller.reaches)
+    except UnresolvedError as error:
+        raise invalid(error.faults) from None
+    await anyio.to_thread.run_sync(checked, work, request.app.state.settings)
+    try:
+        accepted = await all_requests.submit(work, caller.name)
     except QueueFullError as error:
         raise ProblemError(
             HTTPStatus.TOO_MANY_REQUESTS, "queue-full", str(error), headers={"Retry-After": "5"}

@@ -17,7 +17,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.coordination.events import Event, MissionClosed, MissionCreated, from_json, to_json
 from service.coordination.ports import StoreError
-from service.store.tables import EVENTS, MISSIONS
+from service.store.tables import EVENTS, MISSION_RESOURCES, MISSIONS
 
 BATCH = 256
 """Appends committed together at most."""
@@ -168,6 +168,7 @@ class EventStore:
                     insert(MISSIONS).values(
                         id=event.id,
                         name=event.request.name,
+                        fleet=event.request.fleet,
                         domain=event.request.domain,
                         is_over=False,
                         idempotency_key=event.idempotency_key,
@@ -175,6 +176,11 @@ class EventStore:
                         created_at=now,
                     )
                 )
+                if event.resources:
+                    used = [one.model_dump() for one in event.resources]
+                    connection.execute(
+                        insert(MISSION_RESOURCES), [{"mission_id": event.id, **u} for u in used]
+                    )
             elif isinstance(event, MissionClosed):
                 connection.execute(
                     update(MISSIONS).where(MISSIONS.c.id == request.mission_id).values(is_over=True)

@@ -1,4 +1,4 @@
-"""The database: missions and the events that make them."""
+"""The database: missions with their events, planning requests, domains and maps."""
 
 from sqlalchemy import (
     BigInteger,
@@ -27,6 +27,7 @@ MISSIONS = Table(
     Column("created_at", DateTime(timezone=True), nullable=False),
     Column("idempotency_key", String(200), unique=True),
     Column("body_digest", String(64)),
+    Column("fleet", String(64)),
     Index("missions_open", "is_over"),
 )
 
@@ -59,4 +60,37 @@ PLAN_EVENTS = Table(
     Column("request_id", String(40), ForeignKey("plan_requests.id"), primary_key=True),
     Column("number", Integer, primary_key=True),
     Column("body", Text, nullable=False),
+)
+
+RESOURCES = Table(
+    "resources",
+    METADATA,
+    Column("kind", String(10), primary_key=True),
+    Column("name", String(64), primary_key=True),
+    Column("version", String(32), nullable=False),
+    Column("fleet", String(64), nullable=False),
+)
+
+RESOURCE_VERSIONS = Table(
+    "resource_versions",
+    METADATA,
+    Column("kind", String(10), primary_key=True),
+    Column("name", String(64), primary_key=True),
+    Column("version", String(32), primary_key=True),
+    Column("number", Integer, nullable=False),
+    Column("created_at", DateTime(timezone=True), nullable=False),
+    Column("created_by", String(64), nullable=False),
+    Column("formulation", String(64)),
+    Column("size_bytes", Integer, nullable=False),
+    Column("body", Text, nullable=False),
+)
+
+MISSION_RESOURCES = Table(
+    "mission_resources",
+    METADATA,
+    Column("mission_id", String(40), ForeignKey("missions.id"), primary_key=True),
+    Column("kind", String(10), primary_key=True),
+    Column("name", String(64), nullable=False),
+    Column("version", String(32), nullable=False),
+    Index("mission_resources_used", "kind", "name"),
 )

@@ -40,7 +40,7 @@ def test_the_document_describes_every_body() -> None:
                 assert "requestBody" in operation, f"{method} {path}"
             assert operation["summary"]
     names = set(openapi["components"]["schemas"])
-    assert {"CreateMission", "Report", "ReportAnswer", "PlanRequest", "InstructionBody"} <= names
+    assert {"MissionRequest", "Report", "ReportAnswer", "PlanSubmission", "DomainUpload"} <= names
     references = {
         text.rsplit("/", 1)[1] for text in _references(openapi) if "#/components/schemas/" in text
     }

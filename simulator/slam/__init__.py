@@ -1,1 +1,0 @@
-"""Simultaneous localization and mapping, with one robot and with several (thesis chapter 4)."""
