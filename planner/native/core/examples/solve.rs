@@ -8,7 +8,12 @@ use planner_core::attachment::NoAttachments;
 use planner_core::pddl::{read_domain, read_problem};
 use planner_core::plan::Plan;
 use planner_core::solve::{SolveOptions, solve};
+use planner_core::syntax::diagnostic::{Diagnostic, Severity};
 use planner_core::syntax::source::SourceFile;
+
+fn refused(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|d| d.severity == Severity::Error)
+}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -19,10 +24,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let begun = Instant::now();
     let text = std::fs::read_to_string(domain_path)?;
     let (domain, diagnostics) = read_domain(&SourceFile::new(domain_path, text.as_str()));
+    let domain = domain.filter(|_| !refused(&diagnostics));
     let domain = domain.ok_or_else(|| format!("{diagnostics:?}"))?;
     let text = std::fs::read_to_string(problem_path)?;
     let (problem, diagnostics) =
         read_problem(&SourceFile::new(problem_path, text.as_str()), &domain);
+    let problem = problem.filter(|_| !refused(&diagnostics));
     let problem = problem.ok_or_else(|| format!("{diagnostics:?}"))?;
     let read_s = begun.elapsed().as_secs_f64();
     let options = SolveOptions {

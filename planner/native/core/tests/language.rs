@@ -225,3 +225,18 @@ fn long_sums_stay_shallow() {
     assert_eq!(leaves, 50_000);
     assert!(depth < 64, "{depth}");
 }
+
+#[test]
+fn a_goal_of_preferences_is_refused_by_name_and_place() {
+    let domain = domain("(define (domain d) (:requirements :strips) (:predicates (p)))");
+    let text = "(define (problem p) (:domain d) (:init) (:goal (and (preference one (p)))))";
+    let source = SourceFile::new("p.pddl", text);
+    let (_, diagnostics) = read_problem(&source, &domain);
+    let found = &diagnostics[0];
+    assert_eq!(
+        found.severity,
+        planner_core::syntax::diagnostic::Severity::Error
+    );
+    assert_eq!(found.message, "preferences are not supported");
+    assert_eq!(source.slice(found.span), "preference");
+}

@@ -2,9 +2,7 @@
 
 use super::Subject;
 use super::walk::{self, Mention};
-use crate::pddl::model::{
-    Arithmetic, Comparison, Domain, DurationConstraint, Expression, ExpressionKind,
-};
+use crate::pddl::model::{Comparison, Domain, DurationConstraint, Expression, ExpressionKind};
 use crate::syntax::code::Code;
 use crate::syntax::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::syntax::span::Span;
@@ -73,13 +71,7 @@ fn constant(expression: &Expression) -> Option<f64> {
         ExpressionKind::Number(value) => *value,
         ExpressionKind::Negate(inner) => -constant(inner)?,
         ExpressionKind::Binary(operation, left, right) => {
-            let (left, right) = (constant(left)?, constant(right)?);
-            match operation {
-                Arithmetic::Add => left + right,
-                Arithmetic::Subtract => left - right,
-                Arithmetic::Multiply => left * right,
-                Arithmetic::Divide => left / right,
-            }
+            operation.apply(constant(left)?, constant(right)?)
         }
         _ => return None,
     })

@@ -125,7 +125,12 @@ impl Happening {
         if !task.axioms.is_empty() {
             let heads = |fact: &FactId| task.axioms.iter().any(|axiom| axiom.head == *fact);
             happening.derived.0 = happening.reads.iter().any(heads);
-            happening.derived.1 = !happening.adds.is_empty() || !happening.deletes.is_empty();
+            let numeric = |axiom: &crate::task::Axiom| {
+                !axiom.condition.comparisons.is_empty() || !axiom.condition.calls.is_empty()
+            };
+            happening.derived.1 = !happening.adds.is_empty()
+                || !happening.deletes.is_empty()
+                || (!happening.fluent_writes.is_empty() && task.axioms.iter().any(numeric));
         }
         happening
     }

@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! compiled    operators as bit tests, what each happening reads and writes
-//! state       facts, values, running operators; start and advance
+//! state       facts, values, running operators
+//! transitions start and advance, with effects, derivation, separation of happenings
 //! registry    packed states, parents, dominance between timestamps
 //! successors  applicable operators
 //! open_list   buckets of expanded nodes with the successors still to try
@@ -18,8 +19,12 @@
 pub mod calls;
 pub mod compiled;
 pub mod completeness;
+mod derivation;
+mod effects;
 pub mod open_list;
 pub mod registry;
 pub mod search;
+mod separation;
 pub mod state;
 pub mod successors;
+pub mod transitions;

@@ -16,8 +16,9 @@ use crate::task::{Duration, OperatorId, Task};
 use super::compiled::Compiled;
 use super::open_list::{Entry, OpenList};
 use super::registry::{Dominance, Edge, NodeId, Registry};
-use super::state::{State, Transitions};
+use super::state::State;
 use super::successors::Successors;
+use super::transitions::Transitions;
 
 /// Expansions that progress is worth to the list of preferred successors.
 const BOOST: i64 = 1_000;
@@ -145,7 +146,7 @@ impl<'a> Search<'a> {
     ) -> Status {
         if !self.started {
             self.started = true;
-            self.state = State::initial(self.compiled);
+            self.state = self.transitions.initial();
             if let Some(node) = self.registry.insert(&self.state, None) {
                 self.parent_facts.clear();
                 if self.expand(node, None, found) {
@@ -332,7 +333,7 @@ impl Found {
 #[must_use]
 pub fn replay(transitions: &Transitions<'_>, edges: &[Edge]) -> Found {
     let compiled = transitions.compiled;
-    let mut state = State::initial(compiled);
+    let mut state = transitions.initial();
     let mut steps = Vec::new();
     let mut makespan: f64 = 0.0;
     for edge in edges {

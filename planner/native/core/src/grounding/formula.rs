@@ -320,7 +320,7 @@ fn compare(
 }
 
 /// A folded operation; `None` where it is undefined.
-fn combine(
+pub(super) fn combine(
     operation: Arithmetic,
     left: GroundExpression,
     right: GroundExpression,

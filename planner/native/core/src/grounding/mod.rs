@@ -12,6 +12,8 @@
 mod assembly;
 mod costs;
 pub(crate) use costs::complaint;
+mod duration;
+mod effect_calls;
 mod formula;
 mod join;
 mod reachability;

@@ -7,12 +7,12 @@
 use rustc_hash::FxHashSet;
 
 use crate::attachment::Attachments;
-use crate::pddl::model::{
-    Action, Comparison, Condition, Effect, EffectKind, ObjectId, TimedChange,
-};
-use crate::task::{Duration, GroundExpression};
+use crate::pddl::model::{Condition, Effect, EffectKind, ObjectId, TimedChange};
+use crate::task::Duration;
 
 use super::costs::Costs;
+use super::duration::{action_duration, impossible_duration};
+use super::effect_calls::collect_effect_calls;
 use super::formula::{AtomId, Formula, Instantiation, Symbols, for_all_bindings, gather};
 use super::join::{Trigger, instantiate};
 use super::relation::Relation;
@@ -494,131 +494,4 @@ pub(super) fn instance_name(
         text.push_str(&world.problem.objects[object.index()].name.text);
     }
     text
-}
-
-/// The duration of an instance; `Err` if it has none (undefined, infinite, negative, empty interval).
-/// The duration constraint that allows no finite time from 0 on, and its value, where static
-/// fluents alone tell.
-fn impossible_duration(
-    world: &World<'_>,
-    action: &Action,
-    bindings: &[ObjectId],
-) -> Option<(usize, f64)> {
-    let constraints = action.duration.iter().flatten().enumerate();
-    constraints
-        .filter(|(_, one)| {
-            !matches!(
-                one.comparison,
-                Comparison::Greater | Comparison::GreaterEqual
-            )
-        })
-        .find_map(|(index, one)| {
-            let value_s = world.static_value(&one.bound, bindings)?;
-            (value_s < 0.0 || !value_s.is_finite()).then_some((index, value_s))
-        })
-}
-
-fn action_duration(
-    instantiation: &mut Instantiation<'_, '_>,
-    action: &Action,
-    bindings: &[ObjectId],
-) -> Result<Option<Duration>, ()> {
-    let Some(constraints) = &action.duration else {
-        return Ok(None);
-    };
-    let mut lower: Option<GroundExpression> = None;
-    let mut upper: Option<GroundExpression> = None;
-    for constraint in constraints {
-        let bound = instantiation
-            .expression(&constraint.bound, bindings)
-            .ok_or(())?;
-        match constraint.comparison {
-            Comparison::Equal => {
-                tighten(&mut lower, bound.clone(), f64::max)?;
-                tighten(&mut upper, bound, f64::min)?;
-            }
-            Comparison::Less | Comparison::LessEqual => tighten(&mut upper, bound, f64::min)?,
-            Comparison::Greater | Comparison::GreaterEqual => {
-                tighten(&mut lower, bound, f64::max)?;
-            }
-        }
-    }
-    let lower = lower.unwrap_or(GroundExpression::Constant(0.0));
-    let upper = upper.unwrap_or(GroundExpression::Constant(f64::INFINITY));
-    if let (GroundExpression::Constant(low), GroundExpression::Constant(high)) = (&lower, &upper) {
-        let low = low.max(0.0);
-        if low > *high {
-            return Err(());
-        }
-        if low == *high {
-            return Ok(Some(Duration::Fixed(low)));
-        }
-        return Ok(Some(Duration::Bounds(
-            GroundExpression::Constant(low),
-            upper,
-        )));
-    }
-    Ok(Some(Duration::Bounds(lower, upper)))
-}
-
-fn tighten(
-    bound: &mut Option<GroundExpression>,
-    other: GroundExpression,
-    pick: fn(f64, f64) -> f64,
-) -> Result<(), ()> {
-    *bound = Some(match (bound.take(), other) {
-        (Some(GroundExpression::Constant(left)), GroundExpression::Constant(right)) => {
-            GroundExpression::Constant(pick(left, right))
-        }
-        (None, other) => other,
-        // Two bounds on one side of which one depends on the state: neither is known to be tighter.
-        (Some(_), _) => return Err(()),
-    });
-    Ok(())
-}
-
-/// Makes the attachments that effects and their conditions mention part of the batch.
-fn collect_effect_calls(
-    instantiation: &mut Instantiation<'_, '_>,
-    action: &Action,
-    bindings: &mut Vec<ObjectId>,
-) {
-    if instantiation.world.domain.modules.is_empty() {
-        return;
-    }
-    for (_, effect) in &action.effects {
-        effect_calls(instantiation, effect, bindings);
-    }
-}
-
-fn effect_calls(
-    instantiation: &mut Instantiation<'_, '_>,
-    effect: &Effect,
-    bindings: &mut Vec<ObjectId>,
-) {
-    match &effect.kind {
-        EffectKind::And(parts) => parts
-            .iter()
-            .for_each(|part| effect_calls(instantiation, part, bindings)),
-        EffectKind::Forall(variables, body) => {
-            let world = instantiation.world;
-            for_all_bindings(world, variables, bindings, &mut |bindings| {
-                effect_calls(instantiation, body, bindings);
-            });
-        }
-        EffectKind::When(condition, body) => {
-            instantiation.condition(condition, true, bindings);
-            effect_calls(instantiation, body, bindings);
-        }
-        EffectKind::TimedWhen(conditions, body) => {
-            for (_, condition) in conditions {
-                instantiation.condition(condition, true, bindings);
-            }
-            effect_calls(instantiation, body, bindings);
-        }
-        EffectKind::Assign(_, _, expression) => {
-            instantiation.expression(expression, bindings);
-        }
-        EffectKind::Add(_) | EffectKind::Delete(_) | EffectKind::Module(_) => {}
-    }
 }

@@ -563,9 +563,10 @@ fn linear(expression: &GroundExpression, factor: f64, form: &mut Vec<(FluentId, 
             GroundExpression::Constant(k) => linear(left, factor / k, form),
             _ => false,
         },
-        GroundExpression::Duration | GroundExpression::TotalTime | GroundExpression::Call(_) => {
-            false
-        }
+        GroundExpression::Binary(Arithmetic::Minimum | Arithmetic::Maximum, ..)
+        | GroundExpression::Duration
+        | GroundExpression::TotalTime
+        | GroundExpression::Call(_) => false,
     }
 }
 

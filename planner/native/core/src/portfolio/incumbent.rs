@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::epoch::search::Found;
-use crate::epoch::state::Transitions;
+use crate::epoch::transitions::Transitions;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
 use crate::solve::{FoundPlan, SolveReport};

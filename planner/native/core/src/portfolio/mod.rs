@@ -17,8 +17,8 @@ use crate::epoch::compiled::Compiled;
 use crate::epoch::completeness::{Completeness, analyse};
 use crate::epoch::registry::Dominance;
 use crate::epoch::search::{Found, Parameters, Search};
-use crate::epoch::state::{State, Transitions};
 use crate::epoch::successors::Successors;
+use crate::epoch::transitions::Transitions;
 use crate::heuristic::critical_path::makespan_bound;
 use crate::heuristic::relaxed::RelaxedTask;
 use crate::heuristic::relaxed_plan::RelaxedPlan;
@@ -202,5 +202,5 @@ pub fn run(
 fn is_solved_at_once(setting: &Setting<'_>) -> bool {
     let calls = setting.calls();
     let transitions = setting.transitions(&calls);
-    setting.task.metric.is_none() && transitions.is_goal(&State::initial(setting.compiled))
+    setting.task.metric.is_none() && transitions.is_goal(&transitions.initial())
 }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::attachment::AttachmentError;
 use crate::epoch::search::{Found, Statistics, Status};
@@ -13,6 +13,11 @@ use crate::task::OperatorId;
 
 use super::incumbent::Incumbent;
 use super::{Setting, from_schedule};
+
+/// When the other space is exhausted without a plan, the list-schedule search goes on for this
+/// many times as long as that took, but at least for [`LEAST_GRACE`].
+const GRACE: f64 = 8.0;
+const LEAST_GRACE: Duration = Duration::from_millis(500);
 
 /// How long the collecting thread sleeps at most.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -51,7 +56,7 @@ pub(super) fn run(
         bound: AtomicU64::new(f64::INFINITY.to_bits()),
     };
     let (sender, receiver) = channel();
-    std::thread::scope(|scope| {
+    let outcome = std::thread::scope(|scope| {
         let to_collector = sender.clone();
         let shared = &shared;
         scope.spawn(move || epoch_thread(setting, shared, &to_collector));
@@ -59,7 +64,19 @@ pub(super) fn run(
         let outcome = collect(setting, shared, &receiver, incumbent);
         shared.stop.store(true, Ordering::Relaxed);
         outcome
-    })
+    });
+    // What the threads had done when they stopped.
+    for message in receiver.try_iter() {
+        match message {
+            Message::Lists(nodes) => incumbent.report.schedules = nodes,
+            Message::EpochProgress(statistics) => {
+                incumbent.report.expansions = statistics.expansions;
+                incumbent.report.evaluations = statistics.evaluations;
+            }
+            _ => {}
+        }
+    }
+    outcome
 }
 
 fn epoch_thread(setting: &Setting<'_>, shared: &Shared, sender: &Sender<Message>) {
@@ -118,6 +135,8 @@ fn collect(
 ) -> Result<Outcome, SolveError> {
     let (mut epoch_open, mut lists_open) = (true, true);
     let mut last = Outcome::Exhausted;
+    // When to stop if there is still no plan.
+    let mut hopeless: Option<Instant> = None;
     let calls = setting.calls();
     let transitions = setting.transitions(&calls);
     loop {
@@ -144,6 +163,8 @@ fn collect(
                 chose_duration,
             }) => {
                 epoch_open = false;
+                let grace = setting.begun.elapsed().mul_f64(GRACE).max(LEAST_GRACE);
+                hopeless = Some(Instant::now() + grace);
                 last = if status == Status::MemoryFull {
                     Outcome::OutOfMemory
                 } else {
@@ -158,7 +179,8 @@ fn collect(
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return Ok(last),
         }
-        if !epoch_open && !lists_open {
+        let given_up = hopeless.is_some_and(|until| Instant::now() >= until);
+        if (!epoch_open && !lists_open) || (given_up && !incumbent.exists()) {
             return Ok(last);
         }
         if let Some(outcome) = setting.over(incumbent, incumbent.report.expansions) {

@@ -12,7 +12,10 @@
 //! ([`Optimiser::new`] returns `None`, or required concurrency) is left to the decision-epoch
 //! search.
 
+mod application;
+mod compilation;
 mod construction;
+mod dispatch;
 mod exploration;
 mod links;
 mod lower_bound;
@@ -25,6 +28,7 @@ mod repair;
 mod state;
 #[cfg(test)]
 mod testing;
+mod windows;
 mod workshop;
 
 pub use optimiser::{Ending, Limits, Optimiser, Schedule, ScheduledOperator};

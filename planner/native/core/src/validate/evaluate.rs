@@ -135,6 +135,8 @@ impl Scene<'_> {
                         return Err(Fault::NotANumber(text()));
                     }
                     Arithmetic::Divide => left / right,
+                    Arithmetic::Minimum => left.min(right),
+                    Arithmetic::Maximum => left.max(right),
                 }
             }
             ExpressionKind::Negate(part) => -self.value(moment, part, bindings)?,

@@ -186,6 +186,8 @@ impl Scene<'_> {
                     Arithmetic::Subtract => "-",
                     Arithmetic::Multiply => "*",
                     Arithmetic::Divide => "/",
+                    Arithmetic::Minimum => "min",
+                    Arithmetic::Maximum => "max",
                 };
                 format!(
                     "({sign} {} {})",

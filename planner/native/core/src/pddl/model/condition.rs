@@ -148,6 +148,10 @@ pub enum Arithmetic {
     Multiply,
     /// `/`
     Divide,
+    /// The smaller one; no PDDL operator, made where a duration has several upper bounds.
+    Minimum,
+    /// The larger one; no PDDL operator, made where a duration has several lower bounds.
+    Maximum,
 }
 
 impl Arithmetic {
@@ -159,6 +163,10 @@ impl Arithmetic {
             Self::Subtract => left - right,
             Self::Multiply => left * right,
             Self::Divide => left / right,
+            // Unlike `f64::min`, an undefined operand makes the result undefined.
+            Self::Minimum | Self::Maximum if left.is_nan() || right.is_nan() => f64::NAN,
+            Self::Minimum => left.min(right),
+            Self::Maximum => left.max(right),
         }
     }
 }

@@ -143,7 +143,7 @@ impl Reader<'_> {
         let admissible = match operation {
             Arithmetic::Add | Arithmetic::Multiply => count >= 1,
             Arithmetic::Subtract => count == 1 || count == 2,
-            Arithmetic::Divide => count == 2,
+            Arithmetic::Divide | Arithmetic::Minimum | Arithmetic::Maximum => count == 2,
         };
         if !admissible {
             let head = node.head().map_or("", Node::text);
