@@ -70,6 +70,7 @@ def compose(
             HiddenBlockade(blockade.id, blockade.segment_m, blockade.clear_duration_s)
             for blockade in scenario.blockades
         ),
+        blockades_known=scenario.blockades_known,
         domain=scenario.domain,
         strategy=strategy or scenario.strategy,
         planning=Planning(**scenario.planning.model_dump()),

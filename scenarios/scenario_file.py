@@ -139,6 +139,8 @@ class ScenarioFile(_Section):
     blockades: tuple[BlockadeSection, ...] = ()
     blockade_share: Annotated[float, Field(ge=0, le=1)] = 1.0
     """share of the blockades that are there; the seed draws which"""
+    blockades_known: bool = False
+    """whether the fleet knows all blockades when it starts"""
     planning: PlanningSection = PlanningSection()
     noise: NoiseSection = NoiseSection()
     failures: tuple[FailureSection, ...] = ()

@@ -1,19 +1,38 @@
-"""Finds attachments by name: those that installed packages declare in the entry point group.
+"""Finds attachments by name: this package's own, and those that installed packages declare in the
+entry point group.
 
 PDDL/M's `name@libfoo.so` and plain `name@package.module:attribute` both resolve by the name in
-front of `@`: a problem never decides what code is loaded.
+front of `@`: a problem never decides what code is loaded. Nor is any loaded that is not asked for:
+an attachment of this package comes with its own module only, and entry points are read for names
+that it does not know. A package that declares one of its names is refused.
 """
+
+from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Protocol, runtime_checkable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from semantic_attachments.contract import Attachment, Kind, Memory
 from semantic_attachments.guard import Guarded
 from semantic_attachments.world import World
 
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
 GROUP = "marsupial.attachments"
+
+OWN: Mapping[str, str] = {
+    "pathcost": "grid",
+    "clearcost": "grid",
+    "dockcost": "grid",
+    "undockcost": "grid",
+    "motioncost": "motion",
+    "enoughcharge": "battery",
+    "drain": "battery",
+}
+"""Module of each attachment of this package, by lower-case name."""
 
 
 class BindingError(Exception):
@@ -30,13 +49,23 @@ class HasModules(Protocol):
 
 
 @cache
+def own(name: str) -> Attachment | None:
+    """The attachment of this package with a lower-case name."""
+    if name not in OWN:
+        return None
+    module = import_module(f"semantic_attachments.{OWN[name]}")
+    attachments: tuple[Attachment, ...] = module.ATTACHMENTS
+    return next(one for one in attachments if one.name.lower() == name)
+
+
+@cache
 def installed() -> Mapping[str, Attachment]:
-    """Attachments by lower-case name: the entry points of the group and this package's own.
+    """All attachments by lower-case name.
 
     Raises:
         BindingError: if two packages declare the same name, or one declares something else.
     """
-    found: dict[str, tuple[Attachment, str]] = {}
+    found = {name: (attachment, "marsupial") for name in OWN if (attachment := own(name))}
     for point in sorted(_entry_points(), key=lambda point: (point.name, point.value)):
         for attachment in _load(point):
             name = attachment.name.lower()
@@ -50,12 +79,9 @@ def installed() -> Mapping[str, Attachment]:
 
 
 def _entry_points() -> set[EntryPoint]:
-    # The package's own attachments are there even when it runs from a source tree.
-    own = {
-        EntryPoint(name, f"semantic_attachments.{name}:ATTACHMENTS", GROUP)
-        for name in ("battery", "grid", "motion")
-    }
-    return own | set(entry_points(group=GROUP))
+    from importlib.metadata import entry_points  # imported late: own attachments need none
+
+    return set(entry_points(group=GROUP))
 
 
 def _load(point: EntryPoint) -> tuple[Attachment, ...]:
@@ -79,10 +105,11 @@ def resolve(call: str, attachments: Iterable[Attachment] = ()) -> Attachment:
     Raises:
         BindingError: listing the known names if none fits.
     """
-    known = {**installed(), **{attachment.name.lower(): attachment for attachment in attachments}}
+    given = {attachment.name.lower(): attachment for attachment in attachments}
     name = call.partition("@")[0]
-    attachment = known.get(name.lower())
+    attachment = given.get(name.lower()) or own(name.lower()) or installed().get(name.lower())
     if attachment is None:
+        known = {**installed(), **given}
         names = ", ".join(sorted(attachment.name for attachment in known.values()))
         raise BindingError(
             f"no attachment is called {name!r} (from {call!r}); known are {names}. "

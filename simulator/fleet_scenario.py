@@ -118,6 +118,8 @@ class FleetScenario:
     robots: tuple[RobotStart, ...]
     targets: tuple[Target, ...] = ()
     blockades: tuple[HiddenBlockade, ...] = ()
+    blockades_known: bool = False
+    """The fleet knows all blockades when it starts: the bound of what sensing them could give."""
     domain: str = "disaster"
     strategy: str = "planner"
     planning: Planning = field(default_factory=Planning)

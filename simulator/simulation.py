@@ -14,7 +14,7 @@ from simulator.clock import Clock
 from simulator.driving import Driving
 from simulator.execution import ExecutedAction, Execution
 from simulator.fleet_client import FleetClient, MissionState
-from simulator.fleet_scenario import FleetScenario, Pose
+from simulator.fleet_scenario import FleetScenario, HiddenBlockade, Pose
 from simulator.mission_request import mission_request
 from simulator.navigation import Navigation
 from simulator.occupancy_grid import read_map_server
@@ -119,6 +119,9 @@ class Simulation:
         """
         begin_s = time.perf_counter()
         self.client.create_mission(mission_request(self.scenario, self.grid))
+        if self.scenario.blockades_known:
+            for blockade in self.world.blockades():
+                self._note_sensed(blockade)
         self._sense(everyone=True)
         self._report()
         yield self.progress()
@@ -193,12 +196,15 @@ class Simulation:
             scan = self.range_finder.scan(robot, present, blockades, self.clock.time_s, self.random)
             for name in scan.blockades:
                 if name not in self._sensed:
-                    self._sensed[name] = self.clock.time_s
-                    self._unreported.append(name)
-                    self.navigation.known[name] = next(b for b in blockades if b.id == name)
+                    self._note_sensed(next(b for b in blockades if b.id == name))
                     news = True
         if news:
             self.execution.reconsider(self.clock.time_s)
+
+    def _note_sensed(self, blockade: HiddenBlockade) -> None:
+        self._sensed[blockade.id] = self.clock.time_s
+        self._unreported.append(blockade.id)
+        self.navigation.known[blockade.id] = blockade
 
     def _untangle(self) -> None:
         """Robots that want to move and cannot look for another way, then insist on it."""

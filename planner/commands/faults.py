@@ -4,8 +4,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import typer
-
 from planner.diagnostics import PlannerError
 from planner.outcome import Outcome
 
@@ -20,7 +18,7 @@ def told() -> Iterator[None]:
         if error.__cause__ is not None:
             cause = error.__cause__
             sys.stderr.write(f"  because {type(cause).__name__}: {cause}\n")
-        raise typer.Exit(error.outcome.row.exit_code) from None
+        raise SystemExit(error.outcome.row.exit_code) from None
     except OSError as error:
         sys.stderr.write(f"cannot use {error.filename}: {error.strerror}\n")
-        raise typer.Exit(Outcome.INPUT_ERROR.row.exit_code) from None
+        raise SystemExit(Outcome.INPUT_ERROR.row.exit_code) from None

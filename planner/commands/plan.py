@@ -1,35 +1,15 @@
 """`marsupial plan`: solves a problem, writes the plan as text, JSON, SVG or HTML."""
 
-import json
-import sys
 from collections.abc import Callable
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from planner import _core, gantt
-from planner._core import Problem
-from planner.attachments import Attachments
 from planner.commands.faults import told
-from planner.commands.progress import Display
-from planner.commands.providers import AttachmentProvider, provided
-from planner.memory import peak_mb
-from planner.outcome import Outcome
-from planner.plan import Plan
-from planner.reading import read_domain, read_problem
-from planner.solving import Limits, Result, improving_plans
-
-
-class Engine(StrEnum):
-    """Who plans: marsupial, or a peer from an optional extra."""
-
-    MARSUPIAL = "marsupial"
-    TAMER = "tamer"
-    ARIES = "aries"
-    LPG = "lpg"
-    KAIROS = "kairos"
+from planner.commands.plan_run import Engine, Outputs, PlanRequest, run_plan
+from planner.commands.providers import AttachmentProvider
+from planner.solving import Limits
 
 
 def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., None]:
@@ -78,95 +58,20 @@ def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., No
         plan, 30-36 faults.
         """
         with told():
-            limits = Limits(
-                timeout or None, seed, threads, node_limit, memory_limit, first, cpu_timeout
+            request = PlanRequest(
+                domain,
+                problem,
+                map,
+                Limits(
+                    timeout or None, seed, threads, node_limit, memory_limit, first, cpu_timeout
+                ),
+                Outputs(plan_file, json_file, svg, html),
+                watch,
+                engine,
             )
-            parsed = read_problem(read_domain(domain), problem)
-            attachments = provided(provider, parsed, map)
-            for path in (plan_file, svg, html, json_file):
-                if path is not None:
-                    path.parent.mkdir(parents=True, exist_ok=True)
-            if engine is not Engine.MARSUPIAL:
-                from planner.peers import solve_with_peer
-
-                result = solve_with_peer(engine.value, parsed, attachments, limits.timeout_s)
-            else:
-                result = _search(parsed, attachments, limits, plan_file, watch)
-            _write(result, parsed, seed=seed, json_file=json_file, svg=svg, html=html)
-        if result.plan is None:
-            sys.stderr.write(f"no plan: {result.outcome.row.meaning}\n")
-        raise typer.Exit(result.outcome.row.exit_code)
+        raise typer.Exit(run_plan(request, provider))
 
     return plan
-
-
-def _search(
-    problem: Problem,
-    attachments: Attachments,
-    limits: Limits,
-    plan_file: Path | None,
-    watch: bool,
-) -> Result:
-    """Runs our own search; writes every improving plan as soon as it is found."""
-    display = Display(every_plan=watch)
-    search = improving_plans(problem, attachments, limits, on_wait=display.progress)
-    plans: list[Plan] = []
-    try:
-        while True:
-            plan = next(search)
-            plans.append(plan)
-            if plan_file is not None:
-                plan_file.with_name(f"{plan_file.name}.{len(plans)}").write_text(plan.to_text())
-            display.plan(plan)
-    except StopIteration as end:
-        result: Result = end.value
-        return result
-    except KeyboardInterrupt:
-        if not plans:
-            raise
-        return Result(Outcome.SOLVED_CANCELLED, tuple(plans))
-    finally:
-        display.close()
-
-
-def _write(
-    result: Result,
-    problem: Problem,
-    *,
-    seed: int,
-    json_file: Path | None,
-    svg: Path | None,
-    html: Path | None,
-) -> None:
-    """Writes the best plan to stdout and the files asked for."""
-    if result.plan is not None:
-        sys.stdout.write(result.plan.to_text())
-        sys.stdout.flush()
-    chart = result.plan or Plan((), problem.domain.name, problem.name)
-    if svg is not None:
-        svg.write_text(gantt.svg(chart))
-    if html is not None:
-        html.write_text(gantt.html(chart))
-    if json_file is not None:
-        json_file.write_text(json.dumps(report(result, seed), indent=1) + "\n")
-
-
-def report(result: Result, seed: int) -> dict[str, Any]:
-    """The result as `--json` writes it."""
-    statistics = result.statistics
-    return {
-        "outcome": result.outcome.value,
-        "plans": [plan.to_json() for plan in result.plans],
-        "lower_bound": result.lower_bound,
-        "expansions": statistics.expansions,
-        "evaluations": statistics.evaluations,
-        "schedules": statistics.schedules,
-        "cpu_s": statistics.cpu_s,
-        "wall_s": statistics.wall_s,
-        "peak_mb": peak_mb(),
-        "version": _core.__version__,
-        "seed": seed,
-    }
 
 
 plan = plan_command()

@@ -24,6 +24,7 @@ def composed(spec: RunSpec, planning: dict[str, Any] | None, folder: Path) -> Co
     scenario = read_scenario(Path(spec.scenario))
     update: dict[str, Any] = {"team": dict(spec.team), "robots": ()}
     update["blockade_share"] = spec.blockade_share
+    update["blockades_known"] = spec.blockades_known
     if spec.generator is not None:
         section = {"generator": spec.generator, "file": None, "image": None, "annotations": None}
         update["map"] = scenario.map.model_copy(update=section)
@@ -33,7 +34,10 @@ def composed(spec: RunSpec, planning: dict[str, Any] | None, folder: Path) -> Co
     if planning is not None:
         update["planning"] = scenario.planning.model_copy(update=planning)
     return compose(
-        scenario.model_copy(update=update), seed=spec.seed, folder=folder, strategy=spec.strategy
+        scenario.model_copy(update=update),
+        seed=spec.seed,
+        folder=folder,
+        strategy=spec.coordination,
     )
 
 
@@ -68,7 +72,7 @@ def main() -> None:
     spec = RunSpec(**{**task["spec"], "team": tuple((k, n) for k, n in task["spec"]["team"])})
     with TemporaryDirectory(prefix="marsupial-") as scratch:
         composition = composed(spec, task["planning"], Path(scratch))
-        options = RunOptions(seed=spec.seed, strategy=spec.strategy, headless=True)
+        options = RunOptions(seed=spec.seed, strategy=spec.coordination, headless=True)
         record = run(composition, options, lambda _: None, Path(scratch))
     row = row_of(record)
     row["cpu_s"] = round(time.process_time(), 3)

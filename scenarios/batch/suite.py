@@ -46,6 +46,14 @@ class Quick(_Section):
     maps: Annotated[int, Field(ge=1)] = 2
 
 
+class Variant(_Section):
+    """A strategy that is given something which the others are not."""
+
+    strategy: str
+    blockades_known: bool = False
+    """it knows all blockades from the start: a bound, not a competitor"""
+
+
 class Suite(_Section):
     """The content of a suite file."""
 
@@ -54,6 +62,8 @@ class Suite(_Section):
     maps: tuple[MapEntry, ...] = Field(min_length=1)
     teams: tuple[dict[str, Annotated[int, Field(ge=0)]], ...] = Field(min_length=1)
     strategies: tuple[str, ...] = Field(min_length=1)
+    """names of strategies, or of variants"""
+    variants: dict[str, Variant] = {}
     reference: str = ""
     """strategy that the others are compared with; the last one if not given"""
     seeds: Annotated[int, Field(ge=1)] = 30
@@ -96,6 +106,11 @@ class Suite(_Section):
                 team=tuple(sorted(team.items())),
                 seed=seed,
                 strategy=strategy,
+                coordination=self.variants[strategy].strategy
+                if strategy in self.variants
+                else strategy,
+                blockades_known=strategy in self.variants
+                and self.variants[strategy].blockades_known,
             )
             for seed in range(1, self.seeds + 1)
             for entry in self.maps
@@ -116,6 +131,10 @@ class RunSpec:
     team: tuple[tuple[str, int], ...]
     seed: int
     strategy: str
+    """as the suite names it"""
+    coordination: str
+    """as the service names it"""
+    blockades_known: bool
 
     @property
     def team_name(self) -> str:

@@ -1,7 +1,7 @@
 """What must be true of a mission and of a report beyond the shape of their JSON."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ from service.coordination.known_map import (
 )
 from service.coordination.mission import Mission
 from service.coordination.ports import Fault
+from service.coordination.strategies import serves
+from service.coordination.strategy import Strategy
 from service.messages.base import Position
 from service.messages.instruction import Instruction
 from service.messages.map_grid import MapMessage
@@ -55,7 +57,7 @@ def _misplaced(cells: NDArray[np.int8], message: MapMessage, position_m: Positio
 
 
 def mission_faults(
-    request: CreateMission, strategies: Iterable[str], max_cells: int
+    request: CreateMission, strategies: Mapping[str, Strategy], max_cells: int
 ) -> list[Fault]:
     """Everything that keeps a mission from being accepted; empty if nothing does."""
     faults: list[Fault] = []
@@ -63,10 +65,20 @@ def mission_faults(
         catalogue.load(request.domain)
     except catalogue.UnknownDomainError as error:
         faults.append(("/domain", str(error)))
-    strategies = sorted(strategies)
+    fitting = sorted(
+        name for name, strategy in strategies.items() if serves(strategy, request.domain)
+    )
     if request.strategy not in strategies:
         faults.append(
-            ("/strategy", f"no strategy {request.strategy!r}: there are {', '.join(strategies)}")
+            ("/strategy", f"no strategy {request.strategy!r}: there are {', '.join(fitting)}")
+        )
+    elif request.strategy not in fitting:
+        faults.append(
+            (
+                "/strategy",
+                f"strategy {request.strategy!r} is not made for the domain {request.domain!r}: "
+                f"use {', '.join(fitting)}",
+            )
         )
     faults += _map_faults(request, max_cells)
     faults += _type_faults(request)

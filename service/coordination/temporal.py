@@ -18,7 +18,7 @@ from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
-from service.coordination.hungarian import being_cleared, clear_nearest, free
+from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
 from service.coordination.plan_progress import Remainder, from_here, remainder
 from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy

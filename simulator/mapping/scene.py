@@ -5,11 +5,13 @@ Positions are in the map frame [m], z up.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator import _core
 from simulator.mapping.oriented_box import OrientedBox
 
 Array = NDArray[np.float64]
@@ -71,7 +73,7 @@ class Cup:
         return best
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Scene:
     """Solids, the nearest of which a beam hits."""
 
@@ -80,10 +82,41 @@ class Scene:
     def distances_m(self, origin_m: Array, directions: Array) -> Array:
         """Distance to the first surface along unit directions `(n, 3)`; infinite where nothing
         is."""
-        best = np.full(len(directions), np.inf)
-        for solid in self.solids:
-            best = np.minimum(best, solid.distances_m(origin_m, directions))
-        return best
+        return self.hits(origin_m, directions)[0]
+
+    def hits(
+        self, origin_m: Sequence[float] | Array, directions: Array, threads: int = 1
+    ) -> tuple[Array, NDArray[np.int32]]:
+        """Distance along unit directions `(n, 3)` and the index of the solid that is hit.
+
+        Where nothing is, infinity and -1. Boxes and cups are cast natively, any other solid by its
+        own `distances_m`.
+        """
+        x, y, z = np.asarray(origin_m, dtype=np.float64).tolist()
+        beams = np.ascontiguousarray(directions, dtype=np.float64)
+        native, numbers, others = self._kernel
+        distances, hit = native.cast((x, y, z), beams, threads)
+        solids = np.where(hit >= 0, numbers[hit], np.int32(-1))
+        for number in others:
+            other = self.solids[number].distances_m(np.array([x, y, z]), beams)
+            solids[other < distances] = number
+            distances = np.minimum(distances, other)
+        return distances, solids
+
+    @cached_property
+    def _kernel(self) -> tuple[_core.Solids, NDArray[np.int32], list[int]]:
+        """The native solids, their indices in `solids`, and the indices of all others."""
+        boxes = [(i, s) for i, s in enumerate(self.solids) if isinstance(s, Box)]
+        cups = [(i, s) for i, s in enumerate(self.solids) if isinstance(s, Cup)]
+        numbers = [i for i, _ in boxes] + [i for i, _ in cups]
+        native = _core.Solids(
+            np.array([(*s.centre_m, *s.size_m, s.yaw_rad) for _, s in boxes]).reshape(-1, 7),
+            np.array(
+                [(*s.base_m, s.radius_m, s.height_m, float(s.closed)) for _, s in cups]
+            ).reshape(-1, 6),
+        )
+        others = sorted(set(range(len(self.solids))) - set(numbers))
+        return native, np.array([*numbers, -1], dtype=np.int32), others
 
 
 @dataclass(frozen=True, slots=True)

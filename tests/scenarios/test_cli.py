@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from scenarios import cli
+from scenarios import application, cli
 from scenarios.exit_codes import FAULT, INPUT_ERROR, USAGE_ERROR, CommandError
 
 ROOT = Path(cli.__file__).parents[1]
@@ -26,16 +26,16 @@ def marsupial(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_help_names_every_command() -> None:
-    shown = CliRunner().invoke(cli.application(["--help"]), ["--help"])
+    shown = CliRunner().invoke(application.application(["--help"]), ["--help"])
     assert shown.exit_code == 0
-    for name in cli.COMMANDS:
+    for name in application.COMMANDS:
         assert name in shown.output
 
 
-@pytest.mark.parametrize("name", sorted(cli.COMMANDS))
+@pytest.mark.parametrize("name", sorted(application.COMMANDS))
 def test_each_command_explains_itself(name: str) -> None:
     words = [name, "--help"]
-    shown = CliRunner().invoke(cli.application(words), words)
+    shown = CliRunner().invoke(application.application(words), words)
     assert shown.exit_code == 0, shown.output
     assert len(shown.output) > 200
 
@@ -67,7 +67,7 @@ def test_a_fault_is_no_traceback(
     def breaks(_: object) -> None:
         raise RuntimeError("wires crossed")
 
-    monkeypatch.setattr(cli, "application", breaks)
+    monkeypatch.setattr(cli, "run", breaks)
     with pytest.raises(SystemExit) as ended:
         cli.main(["plan"])
     assert ended.value.code == FAULT
@@ -82,7 +82,7 @@ def test_expected_failures_keep_their_exit_code(
     def fails(_: object) -> None:
         raise CommandError("the team cannot finish", 12)
 
-    monkeypatch.setattr(cli, "application", fails)
+    monkeypatch.setattr(cli, "run", fails)
     with pytest.raises(SystemExit) as ended:
         cli.main(["run"])
     assert ended.value.code == 12
@@ -111,7 +111,8 @@ def test_somebody_elses_service_is_noticed(tmp_path: Path) -> None:
 def test_a_command_imports_only_its_room() -> None:
     """Quick start: asking for one command must not import the rooms of the others."""
     program = (
-        "import sys; from scenarios import cli; cli.application(['run', 'x.toml']); "
+        "import sys; from scenarios.application import application; "
+        "application(['run', 'x.toml']); "
         "heavy = {'fastapi', 'scipy', 'pymunk', 'unified_planning', 'pydantic', 'rich.progress'}; "
         "print(sorted(heavy & set(sys.modules)))"
     )
@@ -123,3 +124,24 @@ def test_a_command_imports_only_its_room() -> None:
         check=True,
     )
     assert run.stdout.strip() == "[]"
+
+
+def test_a_first_plan_waits_for_no_library_it_does_not_use() -> None:
+    program = (
+        "import sys; from scenarios.cli import run; "
+        "code = run(['plan', 'domains/disaster/domain.pddl', "
+        "'domains/disaster/problems/hospital-15.pddl', "
+        "'--map', 'scenarios/maps/hospital/hospital.yaml', '--first']); "
+        "heavy = {'typer', 'pydantic', 'rich', 'scipy', 'ompl', 'importlib.metadata', "
+        "'semantic_attachments.motion'}; "
+        "print(code, sorted(heavy & set(sys.modules)))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stdout.splitlines()[-1] == "0 []"

@@ -1,14 +1,22 @@
 """Finding attachments and binding them."""
 
 import math
+import subprocess
+import sys
 from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import EntryPoint
 
 import pytest
 
-from semantic_attachments import Attachment, BindingError, Memory, World, bind
+from semantic_attachments import Attachment, BindingError, Memory, World, bind, registry
 from semantic_attachments.contract import Evaluator, Kind, Parameter
 from semantic_attachments.grid import Single
-from semantic_attachments.registry import installed, resolve
+from semantic_attachments.registry import GROUP, OWN, installed, resolve
+
+WAY = (Parameter("robot"), Parameter("from"), Parameter("to"))
+FLY = Attachment("flyCost", WAY, lambda _, __: Single(lambda *_: 1.0))
+TAKEN = Attachment("pathCost", WAY, lambda _, __: Single(lambda *_: 1.0))
 
 
 def test_what_is_installed_is_complete() -> None:
@@ -19,6 +27,44 @@ def test_what_is_installed_is_complete() -> None:
             attachment.parameters
         )
         assert attachment.bind.__doc__ is not None or attachment.bind.__name__.startswith("_")
+
+
+def test_the_table_of_own_attachments_is_complete() -> None:
+    declared = {
+        attachment.name.lower(): module
+        for module in set(OWN.values())
+        for attachment in import_module(f"semantic_attachments.{module}").ATTACHMENTS
+    }
+    assert declared == OWN
+
+
+def test_only_the_module_of_the_attachment_asked_for_is_imported() -> None:
+    program = (
+        "import sys; from semantic_attachments.registry import resolve; "
+        "resolve('pathCost@libgrid.so'); "
+        "print([m for m in ('semantic_attachments.motion', 'semantic_attachments.battery') "
+        "if m in sys.modules])"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.strip() == "[]"
+
+
+def test_attachments_of_other_packages_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By entry point; one that declares a name of this package is refused."""
+    points = {EntryPoint("fly", "tests.semantic_attachments.test_registry:FLY", GROUP)}
+    monkeypatch.setattr(registry, "_entry_points", lambda: points)
+    installed.cache_clear()
+    try:
+        assert resolve("flyCost@libfly.so") is FLY
+        assert resolve("pathCost").name == "pathCost"
+        points.add(EntryPoint("mine", "tests.semantic_attachments.test_registry:TAKEN", GROUP))
+        installed.cache_clear()
+        with pytest.raises(BindingError, match="pathCost is declared by both marsupial and tests"):
+            resolve("unknown")
+    finally:
+        installed.cache_clear()
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from math import inf, isfinite
 import numpy as np
 import pytest
 
-from service.coordination.assignment import hungarian
+from service.coordination.assignment import hungarian, nearest_pairs
 
 
 def test_four_robots_and_four_areas() -> None:
@@ -47,3 +47,9 @@ def test_nothing_to_assign() -> None:
     assert hungarian([]) == {}
     assert hungarian([[]]) == {}
     assert hungarian([[inf]]) == {}
+
+
+def test_nearest_pairs_are_taken_in_order() -> None:
+    assert nearest_pairs([[2.0, 3.0], [1.0, 9.0]]) == {1: 0, 0: 1}
+    assert nearest_pairs([[2.0], [1.0], [inf]]) == {1: 0}
+    assert nearest_pairs([[2.0], [1.0], [inf]], share=True) == {1: 0, 0: 0}

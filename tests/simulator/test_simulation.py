@@ -71,6 +71,13 @@ def test_the_fleet_tells_nobody_of_blockades_before_it_senses_them(tmp_path: Pat
     assert "blockade" not in str(dispatcher.request)
 
 
+def test_blockades_known_from_the_start_are_in_the_first_report(tmp_path: Path) -> None:
+    _, dispatcher = run(replace(two_rooms(tmp_path), blockades_known=True))
+    told = [[blockade["id"] for blockade in report["blockades"]] for report in dispatcher.reports]
+    assert len(told[0]) == 1
+    assert not any(told[1:])
+
+
 def test_the_same_seed_gives_the_same_mission(tmp_path: Path) -> None:
     first, _ = run(two_rooms(tmp_path, seed=3))
     second, _ = run(two_rooms(tmp_path, seed=3))

@@ -6,6 +6,7 @@ pub mod lattice;
 pub mod occupancy;
 pub mod octree;
 pub mod raycast;
+pub mod scene;
 pub mod timed_route;
 
 #[cfg(feature = "python")]

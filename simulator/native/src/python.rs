@@ -3,6 +3,7 @@
 mod floor;
 mod occupancy;
 mod octree;
+mod scene;
 
 use pyo3::prelude::*;
 
@@ -12,5 +13,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<floor::PyFloor>()?;
     module.add_class::<occupancy::PyOccupancyMap>()?;
     module.add_class::<octree::PyOctree>()?;
+    module.add_class::<scene::PySolids>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

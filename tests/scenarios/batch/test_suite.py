@@ -34,6 +34,16 @@ def test_disaster_has_the_thesis_maps_and_eight_teams() -> None:
     assert all(len(entry.map_seeds) >= 5 for entry in suite.maps)
 
 
+def test_a_variant_is_a_strategy_that_knows_more() -> None:
+    runs = {spec.strategy: spec for spec in read_suite(suite_files()["disaster"]).runs()[:4]}
+    bound = runs["planner with blockades known"]
+    assert (bound.coordination, bound.blockades_known) == ("planner", True)
+    assert (runs["hungarian"].coordination, runs["hungarian"].blockades_known) == (
+        "hungarian",
+        False,
+    )
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

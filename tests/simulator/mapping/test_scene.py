@@ -1,7 +1,10 @@
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from simulator.mapping.scene import Box, Cup, DepthSensor, Scene, tabletop_scene
+from simulator.mapping.scene import Box, Cup, DepthSensor, Scene, Solid, tabletop_scene
 
 RIGHT, DOWN = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 0.0, -1.0]])
 
@@ -36,3 +39,39 @@ def test_looking_down_shows_the_table() -> None:
     on_table = np.abs(points[:, 2] - 0.75) < 1e-5
     assert on_table.sum() > 1000
     assert (points[:, 2] > 0.76).sum() > 500
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A solid that the native caster does not know."""
+
+    centre_m: tuple[float, float, float]
+    radius_m: float
+
+    def distances_m(
+        self, origin_m: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        start = origin_m - np.array(self.centre_m)
+        half = directions @ start
+        root = half**2 - (start @ start - self.radius_m**2)
+        near = -half - np.sqrt(np.maximum(root, 0))
+        return np.where((root >= 0) & (near > 0), near, np.inf)
+
+
+def test_native_beams_end_where_each_solid_says() -> None:
+    random = np.random.default_rng(3)
+    solids: list[Solid] = [Ball((0.5, 2.0, 0.0), 0.7)]
+    for _ in range(12):
+        centre = tuple(random.uniform(-3, 3, 3).tolist())
+        size = tuple(random.uniform(0.2, 1.5, 3).tolist())
+        solids.append(Box(centre, size, float(random.uniform(0, 3))))
+        solids.append(Cup(centre, size[0], size[1], closed=bool(random.integers(2))))
+    directions = random.normal(size=(2000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    distances, hit = Scene(tuple(solids)).hits((0.1, 0.0, 0.2), directions)
+    each = np.array([s.distances_m(np.array([0.1, 0.0, 0.2]), directions) for s in solids])
+    assert distances == pytest.approx(each.min(axis=0), abs=1e-9)
+    assert (hit >= 0).sum() > 500
+    seen = hit >= 0
+    assert np.array_equal(np.isfinite(distances), seen)
+    assert each[hit[seen], np.flatnonzero(seen)] == pytest.approx(distances[seen], abs=1e-9)

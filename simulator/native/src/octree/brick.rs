@@ -46,6 +46,9 @@ impl Brick {
     }
 }
 
+/// A place in the hash table with its control byte.
+pub const BUCKET_BYTES: usize = size_of::<(BrickKey, Brick)>() + 1;
+
 /// Bricks by position; a brick that is absent is unknown throughout.
 #[derive(Clone, Debug, Default)]
 pub struct BrickGrid {
@@ -116,7 +119,36 @@ impl BrickGrid {
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         let buckets = self.bricks.capacity() * 8 / 7;
-        buckets * (size_of::<(BrickKey, Brick)>() + 1) + self.dense * VOXELS
+        buckets * BUCKET_BYTES + self.dense * VOXELS
+    }
+
+    /// Bytes that would be held with so many more bricks and so many more of them dense.
+    #[must_use]
+    pub fn memory_bytes_with(&self, more_bricks: usize, more_dense: usize) -> usize {
+        let bricks = self.bricks.len() + more_bricks;
+        let capacity = if bricks <= self.bricks.capacity() {
+            self.bricks.capacity()
+        } else {
+            (bricks * 8 / 7).next_power_of_two() * 7 / 8
+        };
+        capacity * 8 / 7 * BUCKET_BYTES + (self.dense + more_dense) * VOXELS
+    }
+
+    /// Number of bricks that hold a value for each voxel.
+    #[must_use]
+    pub fn dense_count(&self) -> usize {
+        self.dense
+    }
+
+    /// Forgets all bricks that `keep` does not hold on to, and gives their memory back.
+    pub fn retain(&mut self, mut keep: impl FnMut(BrickKey) -> bool) {
+        self.bricks.retain(|&key, _| keep(key));
+        self.bricks.shrink_to_fit();
+        self.dense = self
+            .bricks
+            .values()
+            .filter(|brick| matches!(brick, Brick::Dense(_)))
+            .count();
     }
 }
 

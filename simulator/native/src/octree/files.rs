@@ -92,11 +92,15 @@ fn write_values(bytes: &mut Vec<u8>, node: &Node, model: &SensorModel) {
     }
 }
 
-/// Reads a `.bt` or `.ot` file; log odds are rounded to the model's quantum.
+/// Reads a `.bt` or `.ot` file into at most `limit_bytes`; log odds are rounded to the model's quantum.
 ///
 /// # Errors
 /// What is wrong with the file, and at which byte.
-pub fn read(bytes: &[u8], model: SensorModel) -> Result<OccupancyMap, String> {
+pub fn read(
+    bytes: &[u8],
+    model: SensorModel,
+    limit_bytes: Option<usize>,
+) -> Result<OccupancyMap, String> {
     let mut reader = Reader { bytes, at: 0 };
     let first = reader.line()?;
     let binary = first.starts_with(BINARY_HEADER);
@@ -126,13 +130,14 @@ pub fn read(bytes: &[u8], model: SensorModel) -> Result<OccupancyMap, String> {
     let resolution_m = resolution_m.ok_or("the header has no line `res` with a positive number")?;
     let size = size.ok_or("the header has no line `size` with a number")?;
     let mut map = OccupancyMap::new(resolution_m, model);
+    map.memory_limit_bytes = limit_bytes;
     if size > 0 {
         let root = if binary {
             reader.two_bits(&model, DEPTH)?
         } else {
             reader.values(&model, DEPTH)?
         };
-        fill(&mut map.occupancy, &root)?;
+        fill(&mut map.occupancy, &root, limit_bytes)?;
     }
     Ok(map)
 }
@@ -226,24 +231,25 @@ mod tests {
                 [2.0 * angle.cos(), 3.0 * angle.sin(), i as f32 * 0.001]
             })
             .collect();
-        map.insert_scan([0.0, 0.0, 0.5], &beams, &Limits::default(), 1);
+        map.insert_scan([0.0, 0.0, 0.5], &beams, &Limits::default(), 1)
+            .unwrap();
         map
     }
 
     #[test]
     fn a_full_file_brings_every_value_back() {
         let map = room();
-        let again = read(&write_ot(&map).unwrap(), map.model).unwrap();
-        assert_eq!(again.known_voxels(), map.known_voxels());
+        let again = read(&write_ot(&map).unwrap(), map.model, None).unwrap();
+        assert_eq!(again.known_voxels(None), map.known_voxels(None));
         assert_eq!(again.lattice.resolution_m, 0.05);
     }
 
     #[test]
     fn a_binary_file_brings_back_free_and_occupied() {
         let map = room();
-        let again = read(&write_bt(&map).unwrap(), map.model).unwrap();
-        let (voxels, values) = map.known_voxels();
-        assert_eq!(again.known_voxels().0, voxels);
+        let again = read(&write_bt(&map).unwrap(), map.model, None).unwrap();
+        let (voxels, values) = map.known_voxels(None);
+        assert_eq!(again.known_voxels(None).0, voxels);
         for (voxel, value) in voxels.into_iter().zip(values) {
             assert_eq!(again.occupancy.value(voxel) >= 0, value >= 0);
         }
@@ -253,14 +259,24 @@ mod tests {
     fn broken_files_say_what_is_wrong() {
         let model = SensorModel::thesis();
         assert!(
-            read(b"nonsense\n", model)
+            read(b"nonsense\n", model, None)
                 .unwrap_err()
                 .contains("not an OctoMap file")
         );
         let mut bytes = write_ot(&room()).unwrap();
         bytes.truncate(bytes.len() - 3);
-        assert!(read(&bytes, model).unwrap_err().contains("ends at byte"));
+        assert!(
+            read(&bytes, model, None)
+                .unwrap_err()
+                .contains("ends at byte")
+        );
         let endless = [write_bt(&room()).unwrap()[..150].to_vec(), vec![0xff; 200]].concat();
-        assert!(read(&endless, model).is_err());
+        assert!(read(&endless, model, None).is_err());
+        let whole = write_ot(&room()).unwrap();
+        assert!(
+            read(&whole, model, Some(1000))
+                .unwrap_err()
+                .contains("limit")
+        );
     }
 }

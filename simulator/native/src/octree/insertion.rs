@@ -3,10 +3,10 @@
 //! A voxel is updated at most once per scan, and an end point wins over beams passing through, so a scan is
 //! first drawn into two bits a voxel and only then added to the map.
 
-use crate::octree::brick::Brick;
+use crate::octree::brick::{BUCKET_BYTES, Brick};
 use crate::octree::key::{BrickKey, Lattice, VOXELS, VoxelKey};
-use crate::octree::map::OccupancyMap;
-use crate::octree::sensor_model::SensorModel;
+use crate::octree::map::{MapFull, OccupancyMap};
+use crate::octree::sensor_model::{SensorModel, UNKNOWN};
 use crate::octree::traversal::{norm, walk};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -26,6 +26,8 @@ struct ScanBricks {
     index: FxHashMap<BrickKey, usize>,
     bricks: Vec<(BrickKey, Observed)>,
     current: Option<(BrickKey, usize)>,
+    /// More bricks than the map could ever hold were touched; the drawing was given up.
+    too_many: bool,
 }
 
 impl ScanBricks {
@@ -64,13 +66,24 @@ impl ScanBricks {
                 mine.occupied[word] |= observed.occupied[word];
             }
         }
+        self.too_many |= other.too_many;
         self
     }
 
-    fn draw(lattice: &Lattice, origin_m: [f32; 3], beams: &[[f32; 3]], limits: &Limits) -> Self {
+    fn draw(
+        lattice: &Lattice,
+        origin_m: [f32; 3],
+        beams: &[[f32; 3]],
+        limits: &Limits,
+        most_bricks: usize,
+    ) -> Self {
         let mut scan = Self::default();
         let max_range_m = limits.max_range_m;
         for &end_m in beams {
+            if scan.bricks.len() > most_bricks {
+                scan.too_many = true;
+                break;
+            }
             let origin_m = match &limits.bounds {
                 Some(bounds) => match bounds.entry(origin_m, end_m) {
                     Some(entry_m) => entry_m,
@@ -174,35 +187,67 @@ impl OccupancyMap {
     ///
     /// Beams with an end that is not finite or out of the map's reach are left out. `threads` share the drawing of
     /// beams; the result does not depend on their number.
+    ///
+    /// # Errors
+    /// If the map would grow beyond its limit; then nothing is changed.
     pub fn insert_scan(
         &mut self,
         origin_m: [f32; 3],
         end_points_m: &[[f32; 3]],
         limits: &Limits,
         threads: usize,
-    ) {
+    ) -> Result<(), MapFull> {
         let lattice = self.lattice;
+        let most_bricks = self
+            .memory_limit_bytes
+            .map_or(usize::MAX, |limit_bytes| limit_bytes / BUCKET_BYTES);
         let scan = if threads <= 1 || end_points_m.len() < 4096 {
-            ScanBricks::draw(&lattice, origin_m, end_points_m, limits)
+            ScanBricks::draw(&lattice, origin_m, end_points_m, limits, most_bricks)
         } else {
             end_points_m
                 .par_chunks(end_points_m.len().div_ceil(threads))
-                .map(|beams| ScanBricks::draw(&lattice, origin_m, beams, limits))
+                .map(|beams| ScanBricks::draw(&lattice, origin_m, beams, limits, most_bricks))
                 .reduce_with(ScanBricks::merge)
                 .unwrap_or_default()
         };
+        if let (true, Some(limit_bytes)) = (scan.too_many, self.memory_limit_bytes) {
+            return Err(MapFull { limit_bytes });
+        }
+        if self.memory_limit_bytes.is_some() {
+            self.scan_has_room(&scan)?;
+        }
         let model = self.model;
         for (key, observed) in &scan.bricks {
             self.occupancy
                 .change(*key, |brick| observed.apply(brick, &model));
         }
+        Ok(())
+    }
+
+    /// Counts the bricks that a scan makes and those that it makes dense; exactly, where a generous estimate does not fit.
+    fn scan_has_room(&self, scan: &ScanBricks) -> Result<(), MapFull> {
+        let absent = |(key, _): &&(BrickKey, Observed)| self.occupancy.get(*key).is_none();
+        let new = scan.bricks.iter().filter(absent).count();
+        if self.has_room(new, scan.bricks.len()).is_ok() {
+            return Ok(());
+        }
+        let is_dense = |brick: &Brick| usize::from(matches!(brick, Brick::Dense(_)));
+        let (mut more, mut fewer) = (0, 0);
+        for (key, observed) in &scan.bricks {
+            let before = self.occupancy.get(*key);
+            let mut after = before.cloned().unwrap_or(Brick::Uniform(UNKNOWN));
+            observed.apply(&mut after, &self.model);
+            after.collapse();
+            more += is_dense(&after);
+            fewer += before.map_or(0, is_dense);
+        }
+        self.has_room(new, more.saturating_sub(fewer))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::octree::sensor_model::UNKNOWN;
 
     fn map() -> OccupancyMap {
         OccupancyMap::new(0.1, SensorModel::thesis())
@@ -221,7 +266,8 @@ mod tests {
             &[wall, [2.05, 0.05, 0.05], wall],
             &Limits::default(),
             1,
-        );
+        )
+        .unwrap();
         assert_eq!(stored(&map, wall), map.model.hit);
         assert_eq!(stored(&map, [0.55, 0.05, 0.05]), map.model.miss);
         assert_eq!(stored(&map, [3.05, 0.05, 0.05]), UNKNOWN);
@@ -234,7 +280,8 @@ mod tests {
             max_range_m: Some(2.0),
             bounds: None,
         };
-        map.insert_scan([0.05; 3], &[[5.05, 0.05, 0.05]], &limits, 1);
+        map.insert_scan([0.05; 3], &[[5.05, 0.05, 0.05]], &limits, 1)
+            .unwrap();
         assert_eq!(stored(&map, [1.55, 0.05, 0.05]), map.model.miss);
         assert_eq!(stored(&map, [2.55, 0.05, 0.05]), UNKNOWN);
         assert_eq!(stored(&map, [5.05, 0.05, 0.05]), UNKNOWN);
@@ -254,14 +301,36 @@ mod tests {
                 max_range_m: Some(10.0),
                 bounds: None,
             };
-            one.insert_scan([0.01; 3], &beams, &limits, 1);
-            two.insert_scan([0.01; 3], &beams, &limits, 2);
+            one.insert_scan([0.01; 3], &beams, &limits, 1).unwrap();
+            two.insert_scan([0.01; 3], &beams, &limits, 2).unwrap();
         }
         assert_eq!(one.occupancy.sorted_keys(), two.occupancy.sorted_keys());
         for (key, brick) in one.occupancy.iter() {
             for offset in 0..VOXELS {
                 assert_eq!(brick.value(offset), two.occupancy.value(key.voxel(offset)));
             }
+        }
+    }
+
+    #[test]
+    fn a_scan_that_does_not_fit_changes_nothing() {
+        let beams: Vec<[f32; 3]> = (0..5000)
+            .map(|i| {
+                let angle = i as f32 * 0.01;
+                [4.0 * angle.cos(), 4.0 * angle.sin(), (i % 97) as f32 * 0.03]
+            })
+            .collect();
+        let mut free = map();
+        free.insert_scan([0.01; 3], &beams, &Limits::default(), 1)
+            .unwrap();
+        let needed = free.memory_bytes();
+        for (limit, fits) in [(needed - 1, false), (needed, true)] {
+            let mut bounded = map();
+            bounded.memory_limit_bytes = Some(limit);
+            let outcome = bounded.insert_scan([0.01; 3], &beams, &Limits::default(), 1);
+            assert_eq!(outcome.is_ok(), fits, "{limit}");
+            assert_eq!(bounded.occupancy.is_empty(), !fits);
+            assert!(bounded.memory_bytes() <= limit);
         }
     }
 
@@ -273,7 +342,8 @@ mod tests {
             &[[f32::NAN, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0]],
             &Limits::default(),
             1,
-        );
+        )
+        .unwrap();
         assert!(map.occupancy.is_empty());
     }
 }

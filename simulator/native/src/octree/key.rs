@@ -29,6 +29,13 @@ impl VoxelKey {
         BrickKey::new(self.0.map(|k| k >> 3))
     }
 
+    /// Whether the voxel and its neighbours have keys.
+    #[inline]
+    #[must_use]
+    pub fn within_reach(self) -> bool {
+        self.0.iter().all(|k| (-LIMIT + 1..LIMIT - 1).contains(k))
+    }
+
     /// Position within its brick, in Morton order (x is the lowest bit).
     #[inline]
     #[must_use]

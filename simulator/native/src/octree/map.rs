@@ -1,9 +1,11 @@
 //! The occupancy map: bricks of log odds, and further channels over the same lattice.
 
 use crate::octree::brick::BrickGrid;
+use crate::octree::gain::Region;
 use crate::octree::key::{BrickKey, Lattice, VOXELS, VoxelKey};
 use crate::octree::sensor_model::{SensorModel, UNKNOWN};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// A further property of each voxel with log odds of its own, such as vegetation (Wurm, eq. 6.18).
 #[derive(Clone, Debug)]
@@ -25,6 +27,26 @@ pub struct OccupancyMap {
     pub occupancy: BrickGrid,
     /// Further channels by name.
     pub channels: BTreeMap<String, Channel>,
+    /// Bytes that the map may hold; what would take more is refused.
+    pub memory_limit_bytes: Option<usize>,
+}
+
+/// A change was refused because the map would grow beyond its limit; the map is as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapFull {
+    /// Bytes that the map may hold.
+    pub limit_bytes: usize,
+}
+
+impl fmt::Display for MapFull {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the map would take more than its limit of {} bytes: raise the limit, use coarser voxels, or forget \
+             what lies far away",
+            self.limit_bytes
+        )
+    }
 }
 
 /// How the voxels below a coarser node are combined.
@@ -45,6 +67,7 @@ impl OccupancyMap {
             model,
             occupancy: BrickGrid::default(),
             channels: BTreeMap::new(),
+            memory_limit_bytes: None,
         }
     }
 
@@ -107,6 +130,35 @@ impl OccupancyMap {
         summary.log_odds(&self.model, how)
     }
 
+    /// Whether so many more bricks fit into the map's limit.
+    ///
+    /// # Errors
+    /// If they do not.
+    pub fn has_room(&self, more_bricks: usize, more_dense: usize) -> Result<(), MapFull> {
+        let channels = self.memory_bytes() - self.occupancy.memory_bytes();
+        match self.memory_limit_bytes {
+            Some(limit_bytes)
+                if channels + self.occupancy.memory_bytes_with(more_bricks, more_dense)
+                    > limit_bytes =>
+            {
+                Err(MapFull { limit_bytes })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Forgets every brick that lies wholly outside of a box of voxels, in all channels.
+    pub fn forget_outside(&mut self, low: VoxelKey, high: VoxelKey) {
+        let keep = |key: BrickKey| {
+            let corner = key.coordinates();
+            (0..3).all(|axis| corner[axis] >= low.0[axis] >> 3 && corner[axis] <= high.0[axis] >> 3)
+        };
+        self.occupancy.retain(keep);
+        for channel in self.channels.values_mut() {
+            channel.grid.retain(keep);
+        }
+    }
+
     /// Bytes held by all channels.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
@@ -117,17 +169,25 @@ impl OccupancyMap {
             })
     }
 
-    /// Known voxels and their stored values, sorted by brick and Morton order.
+    /// Known voxels and their stored values, sorted by brick and Morton order; of a region or of the whole map.
     #[must_use]
-    pub fn known_voxels(&self) -> (Vec<VoxelKey>, Vec<i8>) {
+    pub fn known_voxels(&self, region: Option<Region>) -> (Vec<VoxelKey>, Vec<i8>) {
         let (mut voxels, mut values) = (Vec::new(), Vec::new());
         for key in self.occupancy.sorted_keys() {
             let Some(brick) = self.occupancy.get(key) else {
                 continue;
             };
+            let corner = key.coordinates().map(|k| k << 3);
+            if region.is_some_and(|region| {
+                (0..3).any(|axis| {
+                    corner[axis] > region.high.0[axis] || corner[axis] + 7 < region.low.0[axis]
+                })
+            }) {
+                continue;
+            }
             for offset in 0..VOXELS {
                 let value = brick.value(offset);
-                if value != UNKNOWN {
+                if value != UNKNOWN && region.is_none_or(|region| region.holds(key.voxel(offset))) {
                     voxels.push(key.voxel(offset));
                     values.push(value);
                 }

@@ -7,9 +7,11 @@
 
 pub mod brick;
 pub mod files;
+pub mod gain;
 pub mod insertion;
 pub mod key;
 pub mod map;
+pub mod projection;
 pub mod ray;
 pub mod sensor_model;
 pub mod traversal;

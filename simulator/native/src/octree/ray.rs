@@ -1,7 +1,7 @@
 //! Casting rays into the map.
 
 use crate::octree::brick::Brick;
-use crate::octree::key::{BrickKey, LIMIT};
+use crate::octree::key::{BrickKey, VoxelKey};
 use crate::octree::map::OccupancyMap;
 use crate::octree::sensor_model::UNKNOWN;
 use crate::octree::traversal::{Traversal, norm};
@@ -28,15 +28,24 @@ pub struct RayResult {
 }
 
 /// A window onto the brick that the ray is in.
-struct Cursor<'map> {
+pub(crate) struct Cursor<'map> {
     map: &'map OccupancyMap,
     key: BrickKey,
     brick: Option<&'map Brick>,
 }
 
-impl Cursor<'_> {
+impl<'map> Cursor<'map> {
+    pub(crate) fn new(map: &'map OccupancyMap, start: VoxelKey) -> Self {
+        let key = start.brick();
+        Self {
+            map,
+            key,
+            brick: map.occupancy.get(key),
+        }
+    }
+
     #[inline]
-    fn value(&mut self, voxel: crate::octree::key::VoxelKey) -> i8 {
+    pub(crate) fn value(&mut self, voxel: VoxelKey) -> i8 {
         let key = voxel.brick();
         if key != self.key {
             self.key = key;
@@ -68,11 +77,7 @@ impl OccupancyMap {
                 position_m: origin_m.map(f64::from),
             };
         };
-        let mut cursor = Cursor {
-            map: self,
-            key: start.brick(),
-            brick: self.occupancy.get(start.brick()),
-        };
+        let mut cursor = Cursor::new(self, start);
         let mut ray = Traversal::new(
             &self.lattice,
             start,
@@ -88,13 +93,7 @@ impl OccupancyMap {
                     .sum();
                 squared > limit_squared
             };
-            if beyond
-                || ray
-                    .voxel
-                    .0
-                    .iter()
-                    .any(|k| !(-LIMIT + 1..LIMIT - 1).contains(k))
-            {
+            if beyond || !ray.voxel.within_reach() {
                 return RayResult {
                     end: RayEnd::Range,
                     position_m,
@@ -150,7 +149,8 @@ mod tests {
     fn a_ray_stops_at_what_the_scan_saw() {
         let mut map = OccupancyMap::new(0.1, SensorModel::thesis());
         let origin = [0.05; 3];
-        map.insert_scan(origin, &[[2.05, 0.05, 0.05]], &Limits::default(), 1);
+        map.insert_scan(origin, &[[2.05, 0.05, 0.05]], &Limits::default(), 1)
+            .unwrap();
         let hit = map.cast_ray(origin, [1.0, 0.0, 0.0], 10.0, false);
         assert_eq!(hit.end, RayEnd::Hit);
         assert!((hit.position_m[0] - 2.05).abs() < 1e-9);

@@ -130,12 +130,73 @@ fn inside(values: &[i8], convert: &impl Fn(i8) -> i8) -> Node {
     }))
 }
 
+/// Leaves and inner nodes that the tree of a grid would have without pruning, every known voxel a leaf.
+#[must_use]
+pub fn unpruned_counts(grid: &BrickGrid) -> (usize, usize) {
+    let (mut leaves, mut inner) = (0, 0);
+    let mut level: Vec<[i32; 3]> = Vec::with_capacity(grid.len());
+    for (key, brick) in grid.iter() {
+        level.push(key.coordinates());
+        let known = |offset: usize| brick.value(offset) != UNKNOWN;
+        leaves += (0..VOXELS).filter(|&offset| known(offset)).count();
+        // Within a brick a node is a run of 8, 64 or 512 voxels.
+        for run in [8, 64, VOXELS] {
+            inner += (0..VOXELS / run)
+                .filter(|&node| (node * run..(node + 1) * run).any(known))
+                .count();
+        }
+    }
+    for _ in 3..DEPTH {
+        for node in &mut level {
+            *node = node.map(|k| k >> 1);
+        }
+        level.sort_unstable();
+        level.dedup();
+        inner += level.len();
+    }
+    (leaves, inner)
+}
+
+/// A leaf of the pruned tree: its lowest voxel, its edge in voxels and its stored value.
+pub type Leaf = ([i32; 3], i32, i8);
+
+/// All leaves, depth first.
+#[must_use]
+pub fn leaves(root: &Node) -> Vec<Leaf> {
+    fn collect(node: &Node, corner: [i32; 3], level: u32, into: &mut Vec<Leaf>) {
+        match node {
+            Node::Unknown => {}
+            Node::Leaf(value) => into.push((corner, 1 << level, *value)),
+            Node::Inner(children, _) => {
+                for (number, child) in children.iter().enumerate() {
+                    collect(child, child_corner(corner, level, number), level - 1, into);
+                }
+            }
+        }
+    }
+    let mut found = Vec::new();
+    collect(root, [-HALF; 3], DEPTH, &mut found);
+    found
+}
+
+fn child_corner(corner: [i32; 3], level: u32, number: usize) -> [i32; 3] {
+    let half = 1 << (level - 1);
+    std::array::from_fn(|axis| corner[axis] + if number >> axis & 1 == 1 { half } else { 0 })
+}
+
 /// Fills a grid from a pruned tree.
 ///
 /// # Errors
-/// If an inner node lies below the level of voxels, or a leaf is so coarse that it would fill more than 2^24 bricks.
-pub fn fill(grid: &mut BrickGrid, root: &Node) -> Result<(), String> {
-    fill_node(grid, root, [-HALF; 3], DEPTH)
+/// If an inner node lies below the level of voxels, a leaf is so coarse that it would fill more than 2^24 bricks, or
+/// the grid would hold more than `limit_bytes`.
+pub fn fill(grid: &mut BrickGrid, root: &Node, limit_bytes: Option<usize>) -> Result<(), String> {
+    fill_node(
+        grid,
+        root,
+        [-HALF; 3],
+        DEPTH,
+        limit_bytes.unwrap_or(usize::MAX),
+    )
 }
 
 fn fill_node(
@@ -143,17 +204,25 @@ fn fill_node(
     node: &Node,
     corner: [i32; 3],
     level: u32,
+    limit_bytes: usize,
 ) -> Result<(), String> {
+    let more = if matches!(node, Node::Leaf(_)) && level > 3 {
+        1usize << (3 * (level - 3))
+    } else {
+        0
+    };
+    if grid.memory_bytes_with(more, 0) > limit_bytes {
+        return Err(format!(
+            "the map would take more than its limit of {limit_bytes} bytes"
+        ));
+    }
     match node {
         Node::Unknown => Ok(()),
         Node::Inner(..) if level == 0 => Err("the tree is deeper than 16 levels".into()),
         Node::Inner(children, _) => {
-            let half = 1 << (level - 1);
             for (number, child) in children.iter().enumerate() {
-                let corner = std::array::from_fn(|axis| {
-                    corner[axis] + if number >> axis & 1 == 1 { half } else { 0 }
-                });
-                fill_node(grid, child, corner, level - 1)?;
+                let corner = child_corner(corner, level, number);
+                fill_node(grid, child, corner, level - 1, limit_bytes)?;
             }
             Ok(())
         }
@@ -209,7 +278,17 @@ mod tests {
             }
             let tree = build(&grid, |value| value).unwrap();
             let mut again = BrickGrid::default();
-            fill(&mut again, &tree).unwrap();
+            fill(&mut again, &tree, None).unwrap();
+            let found = leaves(&tree);
+            prop_assert!(found.len() <= tree.count());
+            let known: usize = found.iter().map(|leaf| (leaf.1 as usize).pow(3)).sum();
+            let (voxels, inner) = unpruned_counts(&grid);
+            prop_assert_eq!(known, voxels);
+            prop_assert!(voxels + inner >= tree.count());
+            for (corner, edge, value) in found {
+                prop_assert_eq!(grid.value(VoxelKey(corner)), value);
+                prop_assert_eq!(grid.value(VoxelKey(corner.map(|k| k + edge - 1))), value);
+            }
             prop_assert_eq!(again.sorted_keys(), grid.sorted_keys());
             for (key, brick) in grid.iter() {
                 for offset in 0..VOXELS {

@@ -1,9 +1,10 @@
 //! Border of the 3D occupancy map.
 
 use crate::octree::files;
+use crate::octree::gain::Region;
 use crate::octree::insertion::{Bounds, Limits};
-use crate::octree::key::VoxelKey;
-use crate::octree::map::{Channel, Combination, OccupancyMap};
+use crate::octree::key::{LIMIT, VoxelKey};
+use crate::octree::map::{Channel, Combination, MapFull, OccupancyMap};
 use crate::octree::ray::RayEnd;
 use crate::octree::sensor_model::SensorModel;
 use crate::octree::tree;
@@ -11,7 +12,7 @@ use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyUntypedArrayMethods,
 };
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -22,6 +23,18 @@ pub struct PyOctree {
 }
 
 type Constants = (f64, f64, f64, f64, f64);
+type Corners = ([i32; 3], [i32; 3]);
+
+fn region_of((low, high): Corners) -> Region {
+    Region {
+        low: VoxelKey(low),
+        high: VoxelKey(high),
+    }
+}
+
+fn full(refusal: MapFull) -> PyErr {
+    PyMemoryError::new_err(refusal.to_string())
+}
 
 fn model((quantum, hit, miss, lowest, highest): Constants) -> PyResult<SensorModel> {
     SensorModel::new(quantum, hit, miss, lowest, highest).map_err(PyValueError::new_err)
@@ -56,22 +69,31 @@ fn combination(name: &str) -> PyResult<Combination> {
 #[pymethods]
 impl PyOctree {
     #[new]
-    fn new(resolution_m: f64, constants: Constants) -> PyResult<Self> {
+    fn new(
+        resolution_m: f64,
+        constants: Constants,
+        memory_limit_bytes: Option<usize>,
+    ) -> PyResult<Self> {
         if !(resolution_m > 0.0 && resolution_m.is_finite()) {
             return Err(PyValueError::new_err(format!(
                 "resolution_m must be positive, not {resolution_m}"
             )));
         }
-        Ok(Self {
-            map: OccupancyMap::new(resolution_m, model(constants)?),
-        })
+        let mut map = OccupancyMap::new(resolution_m, model(constants)?);
+        map.memory_limit_bytes = memory_limit_bytes;
+        Ok(Self { map })
     }
 
     #[staticmethod]
-    fn read(py: Python<'_>, bytes: &[u8], constants: Constants) -> PyResult<Self> {
+    fn read(
+        py: Python<'_>,
+        bytes: &[u8],
+        constants: Constants,
+        memory_limit_bytes: Option<usize>,
+    ) -> PyResult<Self> {
         let model = model(constants)?;
         let map = py
-            .detach(|| files::read(bytes, model))
+            .detach(|| files::read(bytes, model, memory_limit_bytes))
             .map_err(PyValueError::new_err)?;
         Ok(Self { map })
     }
@@ -97,8 +119,8 @@ impl PyOctree {
             bounds,
         };
         let map = &mut self.map;
-        py.detach(|| map.insert_scan(origin_m, &end_points, &limits, threads));
-        Ok(())
+        py.detach(|| map.insert_scan(origin_m, &end_points, &limits, threads))
+            .map_err(full)
     }
 
     fn log_odds<'py>(
@@ -162,13 +184,14 @@ impl PyOctree {
         Ok((ends.into_pyarray(py), positions))
     }
 
-    /// Keys `(n, 3)` and log odds `(n,)` of all known voxels.
+    /// Keys `(n, 3)` and log odds `(n,)` of all known voxels, or of those in a box of voxels.
     #[allow(clippy::type_complexity)]
     fn known_voxels<'py>(
         &self,
         py: Python<'py>,
+        region: Option<Corners>,
     ) -> PyResult<(Bound<'py, PyArray2<i32>>, Bound<'py, PyArray1<f64>>)> {
-        let (voxels, values) = py.detach(|| self.map.known_voxels());
+        let (voxels, values) = py.detach(|| self.map.known_voxels(region.map(region_of)));
         let count = voxels.len();
         let keys: Vec<i32> = voxels.into_iter().flat_map(|voxel| voxel.0).collect();
         let log_odds: Vec<f64> = values
@@ -179,6 +202,86 @@ impl PyOctree {
             keys.into_pyarray(py).reshape([count, 3])?,
             log_odds.into_pyarray(py),
         ))
+    }
+
+    /// Lowest voxels `(n, 3)`, edges in voxels `(n,)` and log odds `(n,)` of the pruned tree's leaves.
+    #[allow(clippy::type_complexity)]
+    fn leaves<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(
+        Bound<'py, PyArray2<i32>>,
+        Bound<'py, PyArray1<i32>>,
+        Bound<'py, PyArray1<f64>>,
+    )> {
+        let found = py
+            .detach(|| tree::build(&self.map.occupancy, |value| value))
+            .map(|root| tree::leaves(&root))
+            .map_err(PyValueError::new_err)?;
+        let corners: Vec<i32> = found.iter().flat_map(|leaf| leaf.0).collect();
+        let edges: Vec<i32> = found.iter().map(|leaf| leaf.1).collect();
+        let log_odds: Vec<f64> = found
+            .iter()
+            .map(|leaf| self.map.model.log_odds(leaf.2))
+            .collect();
+        Ok((
+            corners.into_pyarray(py).reshape([found.len(), 3])?,
+            edges.into_pyarray(py),
+            log_odds.into_pyarray(py),
+        ))
+    }
+
+    /// Expected reduction of entropy `(v,)` [nat] of each origin `(v, 3)` with its directions, `(v * r, 3)`.
+    #[allow(clippy::too_many_arguments)]
+    fn information_gain<'py>(
+        &self,
+        py: Python<'py>,
+        origins_m: PyReadonlyArray2<'py, f32>,
+        directions: PyReadonlyArray2<'py, f32>,
+        max_range_m: f64,
+        region: Option<Corners>,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (origins, directions) = (points(&origins_m)?, points(&directions)?);
+        if !origins.is_empty() && directions.len() % origins.len() != 0 {
+            return Err(PyValueError::new_err(format!(
+                "{} directions cannot be shared equally by {} origins",
+                directions.len(),
+                origins.len()
+            )));
+        }
+        let gains = py.detach(|| {
+            let region = region.map(region_of);
+            self.map
+                .information_gain(&origins, &directions, max_range_m, region, threads)
+        });
+        Ok(gains.into_pyarray(py))
+    }
+
+    /// First column and the largest log odds of each column `(height, width)`, NaN where unknown.
+    #[allow(clippy::type_complexity)]
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        low_z: i32,
+        high_z: i32,
+        columns: Option<([i32; 2], [i32; 2])>,
+    ) -> PyResult<([i32; 2], Bound<'py, PyArray2<f32>>)> {
+        let seen = py.detach(|| self.map.project(low_z, high_z, columns));
+        let log_odds: Vec<f32> = seen
+            .values
+            .iter()
+            .map(|&value| self.map.model.log_odds(value) as f32)
+            .collect();
+        let array = log_odds
+            .into_pyarray(py)
+            .reshape([seen.height, seen.width])?;
+        Ok((seen.corner, array))
+    }
+
+    /// Forgets the bricks that lie wholly outside of a box of voxels.
+    fn forget_outside(&mut self, low: [i32; 3], high: [i32; 3]) {
+        self.map.forget_outside(VoxelKey(low), VoxelKey(high));
     }
 
     /// Sets the log odds of voxels by key; NaN makes a voxel unknown.
@@ -194,14 +297,20 @@ impl PyOctree {
             ));
         }
         for (key, &value) in keys.rows().into_iter().zip(log_odds) {
+            let voxel = VoxelKey([key[0], key[1], key[2]]);
+            if !voxel.within_reach() {
+                return Err(PyValueError::new_err(format!(
+                    "voxel {:?} lies beyond the map's reach of {LIMIT} voxels",
+                    voxel.0
+                )));
+            }
+            self.map.has_room(1, 1).map_err(full)?;
             let stored = if value.is_nan() {
                 crate::octree::sensor_model::UNKNOWN
             } else {
                 self.map.model.stored(value)
             };
-            self.map
-                .occupancy
-                .set(VoxelKey([key[0], key[1], key[2]]), stored);
+            self.map.occupancy.set(voxel, stored);
         }
         Ok(())
     }
@@ -238,8 +347,10 @@ impl PyOctree {
             return Err(PyValueError::new_err("one truth value a point is needed"));
         }
         let lattice = self.map.lattice;
-        let channel = self.channel_mut(name)?;
+        self.channel_mut(name)?;
         for (&point, &hit) in points.iter().zip(hits) {
+            self.map.has_room(1, 1).map_err(full)?;
+            let channel = self.channel_mut(name)?;
             if let Some(voxel) = lattice.voxel(point) {
                 let value = channel.model.updated(channel.grid.value(voxel), hit);
                 channel.grid.set(voxel, value);
@@ -269,6 +380,17 @@ impl PyOctree {
 
     fn memory_bytes(&self) -> usize {
         self.map.memory_bytes()
+    }
+
+    /// Bricks, and those of them that hold a value for each voxel.
+    fn brick_counts(&self) -> (usize, usize) {
+        let grid = &self.map.occupancy;
+        (grid.len(), grid.dense_count())
+    }
+
+    /// Leaves and inner nodes of the octree without pruning.
+    fn unpruned_counts(&self, py: Python<'_>) -> (usize, usize) {
+        py.detach(|| tree::unpruned_counts(&self.map.occupancy))
     }
 
     /// Nodes of the pruned octree.

@@ -1,34 +1,40 @@
-"""The baseline for marsupial teams (thesis 3.6.3), in its strong reading.
+"""One action a robot, for marsupial teams: the baseline of thesis 3.6.3, in two readings.
 
-Carriers are assigned to targets with the Hungarian method, as if they could drive everywhere. A
-carrier whose target only a rover can reach goes to the nearest meeting point connected to it and
-puts a rover down; without a rover aboard it first fetches one that has nothing left to do. A
-rover on the ground explores the targets it can reach and then returns to the nearest meeting
-point.
+Carriers are assigned to targets, with the Hungarian method or another rule, as if they could drive
+everywhere. A carrier whose target only a rover can reach goes to the nearest meeting point
+connected to it and puts a rover down; without a rover aboard it first fetches one that has nothing
+left to do. A rover on the ground explores the targets it can reach and then returns to the nearest
+meeting point.
 
-Strong reading: targets that a rover on the ground can reach are its own, carriers leave them
-alone; any rover without work may be fetched by any carrier.
+In the literal reading carriers are assigned to every target, also to those that a rover on the
+ground is exploring. In the strong one such targets are the rover's own and carriers leave them
+alone. In both any rover without work may be fetched by any carrier.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 from domains.formulation import Assignment, OrderKind
 from domains.mission_state import Activity, RobotState
 from semantic_attachments.contract import Memory
-from service.coordination.assignment import hungarian
-from service.coordination.hungarian import steps_of
+from service.coordination.assignment import AssignmentRule, by_hungarian_method
+from service.coordination.one_step_disaster import steps_of
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from service.coordination.travel import Travel
 
 
-class HungarianMarsupial:
+@dataclass(frozen=True)
+class OneStepMarsupial:
     """One action a robot, computed anew at every event."""
+
+    rule: AssignmentRule = by_hungarian_method
+    leaves_to_rovers: bool = True
+    """the strong reading"""
 
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """Rovers on the ground first, then carriers."""
-        team = _Team(situation, memory)
+        team = _Team(situation, memory, self)
         orders = team.rovers_explore()
         orders += team.carriers_explore_or_deploy()
         orders += team.idle_rovers_return({order.robot for order in orders})
@@ -37,7 +43,7 @@ class HungarianMarsupial:
             raise NoPlanError("no robot can reach a target or a meeting point")
         return Proposal(
             assignments=tuple(orders),
-            reason=f"Hungarian assignment of {len(orders)} robots",
+            reason=f"an assignment of {len(orders)} robots",
             steps=steps_of(orders, situation),
         )
 
@@ -45,8 +51,9 @@ class HungarianMarsupial:
 class _Team:
     """One situation, looked at from the team's side."""
 
-    def __init__(self, situation: Situation, memory: Memory) -> None:
+    def __init__(self, situation: Situation, memory: Memory, baseline: OneStepMarsupial) -> None:
         state = situation.state
+        self.baseline = baseline
         self.situation = situation
         self.travel = Travel(situation, memory)
         self.targets = [target.id for target in state.targets]
@@ -90,14 +97,18 @@ class _Team:
                 self.targets[column],
                 expected_duration_s=times_s[row][column],
             )
-            for row, column in hungarian(times_s).items()
+            for row, column in self.baseline.rule(self.travel, ids, self.targets).items()
         ]
 
     def carriers_explore_or_deploy(self) -> list[Assignment]:
         """Carriers to targets as if they could drive everywhere; where they cannot, a rover."""
-        targets = [target for target in self.targets if target not in self.rover_owned]
+        targets = [
+            target
+            for target in self.targets
+            if not (self.baseline.leaves_to_rovers and target in self.rover_owned)
+        ]
         ids = [carrier.id for carrier in self.carriers]
-        chosen = hungarian(self.anywhere.times_s(ids, targets))
+        chosen = self.baseline.rule(self.anywhere, ids, targets)
         orders: list[Assignment] = []
         self.idle = {
             rover.id: rover
