@@ -30,7 +30,7 @@ from scenarios.progress import Listener, shown
 from scenarios.report.page import write_report
 from scenarios.report.table import print_table
 from scenarios.scenario_file import ScenarioFileError, read_scenario
-from service.settings import Settings, sqlite_url
+from service.settings import Settings
 from simulator.fleet_client import FleetClient, FleetClientError
 from simulator.simulation import Simulation, SimulationResult
 
@@ -60,7 +60,7 @@ def run_and_report(scenario: Path, options: RunOptions) -> None:
     with TemporaryDirectory(prefix="marsupial-") as scratch:
         composition = composed(scenario, options, Path(scratch))
         with shown(headless=options.headless) as listener:
-            record = run(composition, options, listener, Path(scratch))
+            record = run(composition, options, listener)
         if options.json_file is not None:
             options.json_file.parent.mkdir(parents=True, exist_ok=True)
             options.json_file.write_text(json.dumps(record.to_json(), indent=1), encoding="utf-8")
@@ -94,9 +94,7 @@ def composed(scenario: Path, options: RunOptions, folder: Path) -> Composition:
         raise CommandError(f"{scenario}: {error}") from None
 
 
-def run(
-    composition: Composition, options: RunOptions, listener: Listener, scratch: Path
-) -> MissionRecord:
+def run(composition: Composition, options: RunOptions, listener: Listener) -> MissionRecord:
     """Runs a composed scenario and returns what happened.
 
     Raises:
@@ -104,7 +102,7 @@ def run(
     """
     begin_s = time.perf_counter()
     with ExitStack() as stack:
-        plans, http = stack.enter_context(_connected(options, scratch))
+        plans, http = stack.enter_context(_connected(options))
         client = FleetClient(http)
         simulation = Simulation(composition.fleet, client)
         try:
@@ -120,12 +118,14 @@ def run(
 
 
 @contextmanager
-def _connected(options: RunOptions, scratch: Path) -> Iterator[tuple[PlanListener, httpx.Client]]:
+def _connected(options: RunOptions) -> Iterator[tuple[PlanListener, httpx.Client]]:
     """A client of the service at an address, or of one inside this process."""
     with ExitStack() as stack:
         inner: httpx.BaseTransport
         if options.service is None:
-            settings = Settings(database_url=sqlite_url(scratch / "missions.sqlite"))
+            # The fleet's clock stands still while the service thinks: nothing to wait for, and
+            # nobody outlives this process who could read the log.
+            settings = Settings(database_url="sqlite://", debounce_s=0.0)
             inner = stack.enter_context(service_in_process(settings))
         else:
             inner = httpx.HTTPTransport()

@@ -7,7 +7,9 @@ import time
 from pathlib import Path
 
 from scenarios.batch.execution import execute, rows
+from scenarios.batch.ray_runs import on_ray
 from scenarios.batch.results import findings, markdown, write
+from scenarios.batch.run_process import run_in_process
 from scenarios.batch.suite import read_suite
 from scenarios.exit_codes import CommandError
 from scenarios.report.markup import clock
@@ -17,7 +19,9 @@ LINE_EVERY_S = 30.0
 """wall time between two plain lines"""
 
 
-def run_suite(path: Path, folder: Path, *, quick: bool, jobs: int, resume: bool) -> None:
+def run_suite(
+    path: Path, folder: Path, *, quick: bool, jobs: int, resume: bool, executor: str = "process"
+) -> None:
     """Runs what is missing of a suite and writes its report.
 
     Raises:
@@ -29,10 +33,11 @@ def run_suite(path: Path, folder: Path, *, quick: bool, jobs: int, resume: bool)
         raise CommandError(str(error)) from None
     if quick:
         suite = suite.quickly()
+    perform = on_ray(jobs) if executor == "ray" else run_in_process
     begin_s, first = time.monotonic(), -1
     told_s = begin_s - LINE_EVERY_S
     try:
-        for done, wanted in execute(suite, folder, jobs=jobs, resume=resume):
+        for done, wanted in execute(suite, folder, jobs=jobs, resume=resume, perform=perform):
             now_s = time.monotonic()
             first = done if first < 0 else first
             if now_s - told_s >= LINE_EVERY_S or done == wanted:
@@ -41,7 +46,8 @@ def run_suite(path: Path, folder: Path, *, quick: bool, jobs: int, resume: bool)
     except FileExistsError as error:
         raise CommandError(str(error)) from None
     except KeyboardInterrupt:
-        options = f"{'--quick ' if quick else ''}--out {folder.parent} --resume"
+        options = f"{'--quick ' if quick else ''}--jobs {jobs} --executor {executor}"
+        options += f" --out {folder.parent} --resume"
         _say(f"stopped; go on with `marsupial bench {path} {options}`")
         raise
     found = findings(suite, rows(folder))

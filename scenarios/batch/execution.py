@@ -7,17 +7,15 @@ the lines that are there are whole, and a resumed suite does only what is missin
 from __future__ import annotations
 
 import json
-import os
 import platform
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from scenarios.batch.run_process import run_in_process
 from scenarios.batch.suite import RunSpec, Suite
 
 Row = dict[str, Any]
@@ -30,7 +28,7 @@ def execute(
     *,
     jobs: int = 1,
     resume: bool = False,
-    execute_run: Callable[[Suite, RunSpec], Row] | None = None,
+    perform: Callable[[Suite, RunSpec], Row] = run_in_process,
 ) -> Iterator[tuple[int, int]]:
     """Runs what is to be run, yielding (done, of) after each run.
 
@@ -47,7 +45,6 @@ def execute(
     count = len(wanted) - len(missing)
     yield count, len(wanted)
     provenance = provenance_of()
-    perform = execute_run or run_in_process
     with (
         ThreadPoolExecutor(max_workers=jobs) as pool,
         journal.open("a", encoding="utf-8") as file,
@@ -84,30 +81,6 @@ def rows(folder: Path) -> list[Row]:
                 continue
             found[row["key"]] = row
     return [found[key] for key in sorted(found)]
-
-
-def run_in_process(suite: Suite, spec: RunSpec) -> Row:
-    """The row of a run; one that crashed or took too long says so in `status`."""
-    planning = suite.planning.model_dump(exclude_unset=True) if suite.planning else None
-    task = {"spec": asdict(spec), "planning": planning, "memory_mb": suite.limits.memory_mb}
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    try:
-        ended = subprocess.run(
-            [sys.executable, "-m", "scenarios.batch.one_run"],
-            input=json.dumps(task),
-            capture_output=True,
-            text=True,
-            timeout=suite.limits.wall_s,
-            env=environment,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        return {"status": "killed", "reason": f"longer than {suite.limits.wall_s:g} s"}
-    if ended.returncode != 0:
-        lines = ended.stderr.strip().splitlines() or [f"exit code {ended.returncode}"]
-        return {"status": "crashed", "reason": lines[-1][:300]}
-    row: Row = json.loads(ended.stdout.strip().splitlines()[-1])
-    return row
 
 
 def provenance_of() -> Row:

@@ -1,10 +1,8 @@
-"""One run of a suite, in a process of its own: a specification on stdin, a result row on stdout."""
+"""One run of a suite: from its specification to a row of results."""
 
 from __future__ import annotations
 
-import json
 import resource
-import sys
 import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -64,21 +62,18 @@ def row_of(record: MissionRecord) -> Row:
     }
 
 
-def main() -> None:
-    """Reads `{"spec": ..., "planning": ..., "memory_mb": ...}` and prints the row."""
-    task = json.load(sys.stdin)
-    limit = int(task["memory_mb"]) * 2**20
-    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
-    spec = RunSpec(**{**task["spec"], "team": tuple((k, n) for k, n in task["spec"]["team"])})
+def row_of_run(spec: RunSpec, planning: dict[str, Any] | None) -> Row:
+    """Runs the mission of a specification in this process.
+
+    Args:
+        planning: settings of the suite that take the place of the scenario's.
+    """
+    begin_s = time.process_time()
     with TemporaryDirectory(prefix="marsupial-") as scratch:
-        composition = composed(spec, task["planning"], Path(scratch))
+        composition = composed(spec, planning, Path(scratch))
         options = RunOptions(seed=spec.seed, strategy=spec.coordination, headless=True)
-        record = run(composition, options, lambda _: None, Path(scratch))
+        record = run(composition, options, lambda _: None)
     row = row_of(record)
-    row["cpu_s"] = round(time.process_time(), 3)
+    row["cpu_s"] = round(time.process_time() - begin_s, 3)
     row["peak_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, 1)
-    print(json.dumps(row))
-
-
-if __name__ == "__main__":
-    main()
+    return row

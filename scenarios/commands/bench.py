@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -23,6 +23,9 @@ def bench(
     *,
     quick: Annotated[bool, typer.Option("--quick", help="A small subset, in minutes.")] = False,
     jobs: Annotated[int, typer.Option(min=1, help="Missions of a suite at the same time.")] = 1,
+    executor: Annotated[
+        Literal["process", "ray"], typer.Option(help="Where the missions of a suite run.")
+    ] = "process",
     resume: Annotated[
         bool, typer.Option("--resume", help="Do only the runs of a suite that are missing.")
     ] = False,
@@ -51,7 +54,7 @@ def bench(
         from scenarios.batch.command import run_suite
 
         path = suites.get(topic, Path(topic))
-        run_suite(path, out / path.stem, quick=quick, jobs=jobs, resume=resume)
+        run_suite(path, out / path.stem, quick=quick, jobs=jobs, resume=resume, executor=executor)
     else:
         choices = ", ".join(("all", *known, *suites))
         raise CommandError(f"no benchmark {topic!r}: choose one of {choices}, or a suite's file")

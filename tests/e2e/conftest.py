@@ -75,6 +75,6 @@ def mission(tmp_path: Path) -> Mission:
         options = RunOptions(seed=seed, strategy=strategy, headless=True)
         folder = tmp_path / f"{scenario.stem}-{seed}-{strategy}"
         folder.mkdir(exist_ok=True)
-        return run(composed(scenario, options, folder), options, lambda _: None, folder)
+        return run(composed(scenario, options, folder), options, lambda _: None)
 
     return of

@@ -169,7 +169,7 @@ class Fleet:
     def _run(self) -> None:
         try:
             composition = composed(self._scenario, self._options, self._scratch)
-            self.record = run(composition, self._options, self._listen, self._scratch)
+            self.record = run(composition, self._options, self._listen)
         finally:
             self._under_way.set()
 

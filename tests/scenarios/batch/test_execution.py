@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.batch.execution import JOURNAL, Row, execute, rows, run_in_process
+import scenarios
+from scenarios.batch.execution import JOURNAL, Row, execute, rows
+from scenarios.batch.run_process import run_in_process
 from scenarios.batch.suite import Limits, MapEntry, RunSpec, Suite
 
 SUITE = Suite(
@@ -32,7 +34,7 @@ class Counting:
 
 def test_every_run_once(tmp_path: Path) -> None:
     perform = Counting()
-    steps = list(execute(SUITE, tmp_path, execute_run=perform))
+    steps = list(execute(SUITE, tmp_path, perform=perform))
     assert steps == [(k, 4) for k in range(5)]
     assert sorted(perform.asked) == sorted(spec.key for spec in SUITE.runs())
     first = rows(tmp_path)[0]
@@ -40,18 +42,18 @@ def test_every_run_once(tmp_path: Path) -> None:
 
 
 def test_results_are_not_overwritten(tmp_path: Path) -> None:
-    list(execute(SUITE, tmp_path, execute_run=Counting()))
+    list(execute(SUITE, tmp_path, perform=Counting()))
     with pytest.raises(FileExistsError, match="--resume"):
-        list(execute(SUITE, tmp_path, execute_run=Counting()))
+        list(execute(SUITE, tmp_path, perform=Counting()))
 
 
 def test_resume_after_a_kill_does_the_rest(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
-        list(execute(SUITE, tmp_path, execute_run=Counting(breaks_at=3)))
+        list(execute(SUITE, tmp_path, perform=Counting(breaks_at=3)))
     journal = tmp_path / JOURNAL
     journal.write_text(journal.read_text(encoding="utf-8") + '{"key": "cut o', encoding="utf-8")
     again = Counting()
-    steps = list(execute(SUITE, tmp_path, resume=True, execute_run=again))
+    steps = list(execute(SUITE, tmp_path, resume=True, perform=again))
     assert steps[0] == (2, 4)
     assert len(again.asked) == 2
     assert len(rows(tmp_path)) == 4
@@ -66,5 +68,7 @@ def test_a_crash_is_a_row(tmp_path: Path) -> None:
 
 
 def test_a_run_that_takes_too_long_is_killed() -> None:
-    suite = SUITE.model_copy(update={"limits": Limits(wall_s=0.01)})
+    hospital = Path(scenarios.__file__).parent / "disaster" / "hospital.toml"
+    long = MapEntry(name="m", scenario=hospital)
+    suite = SUITE.model_copy(update={"maps": (long,), "limits": Limits(wall_s=0.3)})
     assert run_in_process(suite, suite.runs()[0])["status"] == "killed"
