@@ -16,6 +16,7 @@ from service.coordination.known_map import (
     read_terrain,
 )
 from service.coordination.mission import Mission
+from service.coordination.mission_map import read_patch
 from service.coordination.ports import Fault
 from service.coordination.strategies import serves
 from service.coordination.strategy import Strategy
@@ -178,12 +179,21 @@ def report_faults(mission: Mission, report: Report) -> list[Fault]:
         for end, position_m in enumerate(blockade.segment_m):
             if cell_of(mission.request.map, position_m) is None:
                 faults.append((f"/blockades/{index}/segment_m/{end}", "lies outside the map"))
+    faults += _patch_faults(mission, report)
     for index, finished in enumerate(report.finished):
         here = f"/finished/{index}"
         faults += _closing_faults(mission, here, finished.robot, finished.command)
     for index, failed in enumerate(report.failed):
         faults += _closing_faults(mission, f"/failed/{index}", failed.robot, failed.command)
     return faults
+
+
+def _patch_faults(mission: Mission, report: Report) -> Iterable[Fault]:
+    for index, patch in enumerate(report.map_patches):
+        try:
+            read_patch(patch, mission.map.grid)
+        except MapError as error:
+            yield f"/map_patches/{index}/{error.field}", str(error)
 
 
 def _closing_faults(mission: Mission, here: str, robot: str, command: str) -> Iterable[Fault]:

@@ -34,7 +34,6 @@ class Coordinator:
         self,
         mission: Mission,
         *,
-        grid: GridMap,
         models: Mapping[str, RobotModel],
         strategy: Strategy,
         log: EventLog,
@@ -46,7 +45,6 @@ class Coordinator:
         self._parameters = parameters
         self._replanning = Replanning(
             self._ledger,
-            grid=grid,
             models=models,
             strategy=strategy,
             planners=planners,
@@ -63,7 +61,7 @@ class Coordinator:
     @property
     def grid(self) -> GridMap:
         """Its map, without blockades."""
-        return self._replanning.grid
+        return self.mission.map.grid
 
     # Facts in
 

@@ -1,7 +1,8 @@
 """From assignments to commands: paths, durations, and ids that stay while the order stays."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 
 from shapely import LineString
 
@@ -30,13 +31,26 @@ def orders(proposal: Proposal, situation: Situation, memory: Memory) -> dict[str
     travel = Travel(situation, memory)
     return {
         assignment.robot: Order(
-            assignment,
+            _from_here(assignment, travel),
             travel.path_m(assignment.robot, assignment.location)
             if assignment.kind in _DRIVES and assignment.location is not None
             else (),
         )
         for assignment in proposal.assignments
     }
+
+
+def _from_here(assignment: Assignment, travel: Travel) -> Assignment:
+    """An assignment that takes at least as long as its way is now.
+
+    A plan that goes on may have been made for a shorter one.
+    """
+    if assignment.kind not in _DRIVES or assignment.location is None:
+        return assignment
+    time_s = travel.times_s([assignment.robot], [assignment.location])[0][0]
+    if not assignment.expected_duration_s < time_s < inf:
+        return assignment
+    return replace(assignment, expected_duration_s=time_s)
 
 
 def commands(
@@ -107,6 +121,8 @@ def _is_same(mission: Mission, current: Command, order: Order) -> bool:
         assignment.location,
         assignment.partner,
     ):
+        return False
+    if current.id in mission.barred:
         return False
     since_s = mission.issued_at_s.get(current.id, 0.0)
     radius_m = mission.request.robot_types[mission.robots[current.robot].type].radius_m

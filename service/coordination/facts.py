@@ -21,6 +21,10 @@ def _facts(mission: Mission, report: Report) -> Iterator[str]:
     for blockade in report.blockades:
         if blockade.id not in mission.blockades:
             yield f"blockade {blockade.id} seen"
+    if report.map_patches:
+        cells = mission.map.change(report.sequence, report.map_patches).cells
+        if cells:
+            yield f"the map changed in {cells} cells"
     for finished in report.finished:
         order = mission.orders.get(finished.command)
         if order is not None and order.kind != "wait":
@@ -30,12 +34,16 @@ def _facts(mission: Mission, report: Report) -> Iterator[str]:
         if failed.command not in mission.closed:
             yield f"{failed.robot} gave up its command: {failed.reason}"
     if report.sequence > mission.sequence:
-        for robot_report in report.robots:
-            robot = mission.robots[robot_report.id]
-            if robot_report.state == "failed" and robot.state != "failed":
-                yield f"{robot.id} failed"
-            elif robot_report.state != "failed" and (robot.lost or robot.state == "failed"):
-                yield f"{robot.id} is back"
+        yield from _robot_facts(mission, report)
+
+
+def _robot_facts(mission: Mission, report: Report) -> Iterator[str]:
+    for robot_report in report.robots:
+        robot = mission.robots[robot_report.id]
+        if robot_report.state == "failed" and robot.state != "failed":
+            yield f"{robot.id} failed"
+        elif robot_report.state != "failed" and (robot.lost or robot.state == "failed"):
+            yield f"{robot.id} is back"
 
 
 def late_robots(mission: Mission) -> list[str]:

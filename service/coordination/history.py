@@ -21,7 +21,9 @@ from service.coordination.events import (
     RobotLost,
 )
 from service.coordination.fleet_robot import fleet_robot
+from service.coordination.known_map import grid_map
 from service.coordination.mission import Mission, MissionTarget
+from service.coordination.mission_map import MissionMap
 
 
 def created(event: MissionCreated) -> Mission:
@@ -32,6 +34,7 @@ def created(event: MissionCreated) -> Mission:
         request=request,
         robots={robot.id: fleet_robot(robot, 0.0) for robot in request.robots},
         targets={t.id: MissionTarget(t.id, t.position_m) for t in request.targets},
+        map=MissionMap(grid_map(request.map, request.map.width * request.map.height)),
         domain_text=event.domain_text,
         resources=tuple(event.resources),
         events=1,

@@ -24,7 +24,12 @@ class MapError(ValueError):
         self.field = field
 
 
-def _inflate(text: str, size: int, field: str) -> bytes:
+def inflate(text: str, size: int, field: str) -> bytes:
+    """`size` bytes from zlib in base64; never unpacks more than that.
+
+    Raises:
+        MapError: it holds something else.
+    """
     try:
         packed = base64.b64decode(text, validate=True)
     except (binascii.Error, ValueError) as error:
@@ -51,7 +56,7 @@ def read_cells(message: MapMessage, max_cells: int) -> NDArray[np.int8]:
     size = message.width * message.height
     if size > max_cells:
         raise MapError("width", f"width * height is {size}; this server accepts {max_cells} cells")
-    cells = np.frombuffer(_inflate(message.cells, size, "cells"), dtype=np.int8)
+    cells = np.frombuffer(inflate(message.cells, size, "cells"), dtype=np.int8)
     if cells.min() < -1 or cells.max() > 100:
         wrong = int(np.flatnonzero((cells < -1) | (cells > 100))[0])
         raise MapError("cells", f"cell {wrong} is {cells[wrong]}; -1 and 0 to 100 are cells")
@@ -63,7 +68,7 @@ def read_terrain(message: MapMessage) -> NDArray[np.uint8] | None:
     if message.terrain is None:
         return None
     size = message.width * message.height
-    terrain = np.frombuffer(_inflate(message.terrain, size, "terrain"), dtype=np.uint8)
+    terrain = np.frombuffer(inflate(message.terrain, size, "terrain"), dtype=np.uint8)
     if terrain.max() >= len(message.terrain_classes):
         raise MapError(
             "terrain",

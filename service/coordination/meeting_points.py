@@ -24,7 +24,8 @@ def meeting_points(grid: GridMap, models: Mapping[str, RobotModel]) -> tuple[Mee
     """Meeting points of carriers (types with a capacity) and all other robots, in the map frame.
 
     One for each connected stretch of border, at the cell nearest its centroid; long stretches are
-    cut into pieces first. Their ids hold a space, which no id of a fleet does.
+    cut into pieces first. Their ids are the cells they lie in, so that they keep their ids where
+    a change of the map leaves them alone; they hold a space, which no id of a fleet does.
     """
     carriers = [model for model in models.values() if model.capacity > 0]
     riders = [model for model in models.values() if model.capacity == 0]
@@ -40,8 +41,8 @@ def meeting_points(grid: GridMap, models: Mapping[str, RobotModel]) -> tuple[Mee
         for piece in _cut(np.argwhere(labels == label), grid.resolution_m)
     ]
     return tuple(
-        MeetingPoint(f"meeting {number}", _centre_m(grid, piece))
-        for number, piece in enumerate(pieces, 1)
+        MeetingPoint(f"meeting {row} {column}", _centre_m(grid, row, column))
+        for row, column in map(_middle, pieces)
     )
 
 
@@ -66,10 +67,14 @@ def _cut(cells: NDArray[np.int64], resolution_m: float) -> list[NDArray[np.int64
     return [piece for piece in np.array_split(ordered, count) if len(piece)]
 
 
-def _centre_m(grid: GridMap, cells: NDArray[np.int64]) -> tuple[float, float]:
-    """The centre of the cell nearest the centroid, in the map frame."""
-    nearest = cells[np.argmin(np.linalg.norm(cells - cells.mean(axis=0), axis=1))]
-    row, column = (float(value) for value in nearest)
+def _middle(cells: NDArray[np.int64]) -> tuple[int, int]:
+    """Row and column of the cell nearest the centroid."""
+    row, column = cells[np.argmin(np.linalg.norm(cells - cells.mean(axis=0), axis=1))]
+    return int(row), int(column)
+
+
+def _centre_m(grid: GridMap, row: int, column: int) -> tuple[float, float]:
+    """The centre of a cell in the map frame."""
     return (
         grid.origin_m[0] + (column + 0.5) * grid.resolution_m,
         grid.origin_m[1] + (row + 0.5) * grid.resolution_m,

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from service.coordination.fleet_robot import FleetRobot
+from service.coordination.mission_map import MissionMap
 from service.messages.base import Position
 from service.messages.instruction import Instruction
 from service.messages.mission import CreateMission
@@ -75,6 +76,7 @@ class Mission:
     request: CreateMission
     robots: dict[str, FleetRobot]
     targets: dict[str, MissionTarget]
+    map: MissionMap
     domain_text: str | None = None
     """The PDDL that it plans with; None for that of the formulation's folder."""
     resources: tuple[UsedResource, ...] = ()
@@ -105,6 +107,8 @@ class Mission:
     """Every command ever issued that is not closed: a late `finished` is still a fact."""
     closed: set[str] = field(default_factory=set)
     """Commands reported as finished or failed."""
+    barred: set[str] = field(default_factory=set)
+    """Commands in force whose path leads through what was sensed to be occupied since."""
     failures: dict[tuple[str, str], int] = field(default_factory=dict)
     """How often a robot gave up a command to a place."""
     instructions: dict[str, GivenInstruction] = field(default_factory=dict)

@@ -9,7 +9,7 @@ from service.coordination.admission import mission_faults
 from service.coordination.coordinator import Coordinator
 from service.coordination.events import Event, MissionCreated
 from service.coordination.history import created, rebuilt
-from service.coordination.known_map import grid_map, robot_models
+from service.coordination.known_map import robot_models
 from service.coordination.mission import Mission
 from service.coordination.ports import Fault, Observer, Planners, Resources, UnresolvedError
 from service.coordination.replanning import LoopParameters
@@ -154,7 +154,6 @@ class Missions:
         request = mission.request
         return Coordinator(
             mission,
-            grid=grid_map(request.map, self._max_map_cells),
             models=robot_models(request),
             strategy=self._strategies[request.strategy],
             log=self._store,

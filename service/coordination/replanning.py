@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from semantic_attachments.contract import Memory
-from semantic_attachments.world import GridMap, RobotModel
+from semantic_attachments.world import RobotModel
 from service.coordination import dispatch
 from service.coordination.deliberation import Decided, Deliberation, within_load
 from service.coordination.events import OrdersIssued, PlanKept, PlanningFailed
@@ -51,19 +51,18 @@ class Replanning:
         self,
         ledger: Ledger,
         *,
-        grid: GridMap,
         models: Mapping[str, RobotModel],
         strategy: Strategy,
         planners: Planners,
         parameters: LoopParameters,
         observer: Observer,
     ) -> None:
-        self.grid = grid
         self.looked_at_s = 0.0
         """Mission time of the latest snapshot."""
         self._ledger = ledger
         self._models = models
-        self._meeting_points = meeting_points(grid, models)
+        self._meeting_points = meeting_points(ledger.mission.map.grid, models)
+        self._meetings_of = ledger.mission.map.version
         self._strategy = strategy
         self._planners = planners
         self._parameters = parameters
@@ -126,7 +125,12 @@ class Replanning:
 
     async def _replan_once(self, trigger: str) -> str:
         async with self._ledger.locked() as mission:
-            snapshot = situation(mission, self.grid, self._models, self._meeting_points, trigger)
+            if mission.map.version != self._meetings_of:
+                self._meeting_points = await asyncio.to_thread(
+                    meeting_points, mission.map.grid, self._models
+                )
+                self._meetings_of = mission.map.version
+            snapshot = situation(mission, self._models, self._meeting_points, trigger)
             events = mission.events
         self.looked_at_s = snapshot.state.time_s
         snapshot = replace(snapshot, planning=within_load(snapshot.planning, self._planners.load))

@@ -11,7 +11,7 @@ from domains.mission_state import (
     RobotState,
     Target,
 )
-from semantic_attachments.world import GridMap, RobotModel
+from semantic_attachments.world import RobotModel
 from service.coordination.fleet_robot import FleetRobot
 from service.coordination.mission import Mission
 from service.coordination.strategy import Situation
@@ -86,7 +86,6 @@ def _activity(mission: Mission, robot: FleetRobot) -> tuple[Activity, str | None
 
 def situation(
     mission: Mission,
-    grid: GridMap,
     models: Mapping[str, RobotModel],
     meeting_points: tuple[MeetingPoint, ...],
     trigger: str,
@@ -96,7 +95,8 @@ def situation(
         domain=mission.request.domain,
         domain_text=mission.domain_text,
         state=mission_state(mission, meeting_points),
-        grid=grid,
+        grid=mission.map.grid,
+        version=mission.map.version,
         models=models,
         planning=mission.request.planning,
         trigger=trigger,

@@ -1,6 +1,6 @@
 """What a mission shows of itself."""
 
-from semantic_attachments.world import Blockade, GridMap, World
+from semantic_attachments.world import Blockade, World
 from service.coordination.known_map import write_cells
 from service.coordination.mission import Mission, MissionBlockade
 from service.messages.instruction import InstructionStatus
@@ -98,9 +98,9 @@ def plan_in_force(mission: Mission) -> PlanInForce:
     )
 
 
-def known_map(mission: Mission, grid: GridMap) -> KnownMap:
+def known_map(mission: Mission) -> KnownMap:
     """The map with all known, uncleared blockades drawn in as occupied cells."""
-    message = mission.request.map
+    message, grid = mission.request.map, mission.map.grid
     open_blockades = [b for b in mission.blockades.values() if b.cleared_by is None]
     world = World(
         grid=grid,
@@ -113,7 +113,7 @@ def known_map(mission: Mission, grid: GridMap) -> KnownMap:
         height=message.height,
         encoding=message.encoding,
         cells=write_cells(world.cells_with_blockades()),
-        terrain=message.terrain,
+        terrain=None if grid.terrain is None else write_cells(grid.terrain),
         terrain_classes=message.terrain_classes,
         blockades=[_blockade(blockade) for blockade in open_blockades],
     )

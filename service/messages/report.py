@@ -32,6 +32,21 @@ class BlockadeReport(Message):
     clear_duration_s: Seconds
 
 
+class MapPatch(Message):
+    """A rectangle of the map as a robot has sensed it; -1 is what it has not."""
+
+    row: Annotated[int, Field(ge=0, le=100_000)]
+    """Of its lower left cell; rows count from the bottom of the map."""
+    column: Annotated[int, Field(ge=0, le=100_000)]
+    width: Annotated[int, Field(ge=1, le=100_000)]
+    height: Annotated[int, Field(ge=1, le=100_000)]
+    encoding: Literal["zlib+base64"] = "zlib+base64"
+    cells: str
+    """`int8` cells from its bottom row, as in the mission's map."""
+    terrain: str | None = None
+    """`uint8` indices into the map's `terrain_classes`; they count where `cells` is not -1."""
+
+
 class FinishedCommand(Message):
     """A command that a robot has carried out."""
 
@@ -54,6 +69,8 @@ class Report(Message):
     time_s: Seconds
     robots: list[RobotReport] = Field(default_factory=list, max_length=1000)
     blockades: list[BlockadeReport] = Field(default_factory=list, max_length=1000)
+    map_patches: list[MapPatch] = Field(default_factory=list, max_length=100)
+    """Later ones win where they overlap."""
     finished: list[FinishedCommand] = Field(default_factory=list, max_length=1000)
     failed: list[FailedCommand] = Field(default_factory=list, max_length=1000)
 

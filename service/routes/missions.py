@@ -165,4 +165,4 @@ async def get_plan(found: CoordinatorOf) -> PlanInForce:
 @ROUTER.get("/{mission_id}/map")
 async def get_map(found: CoordinatorOf) -> KnownMap:
     """The known map with the blockades that are not cleared drawn in."""
-    return known_map(found.mission, found.grid)
+    return known_map(found.mission)

@@ -25,6 +25,7 @@ def apply_orders(mission: Mission, event: OrdersIssued) -> None:
     for robot_id in [robot for robot in mission.commands if robot not in current]:
         mission.drop_command(robot_id)
     mission.commands = current
+    mission.barred &= {command.id for command in event.commands}
     mission.recover()
 
 

@@ -31,10 +31,29 @@ def apply_report(mission: Mission, report: Report) -> None:
                 seen_at_s=report.time_s,
             )
             mission.hopeless_since_s = None
+    if report.map_patches:
+        _apply_patches(mission, report)
     for finished in report.finished:
         _finish(mission, finished.robot, finished.command, report.time_s)
     for failed in report.failed:
         _fail(mission, failed.robot, failed.command, report.time_s, failed.reason)
+
+
+def _apply_patches(mission: Mission, report: Report) -> None:
+    change = mission.map.change(report.sequence, report.map_patches)
+    mission.map.apply(report.sequence, report.map_patches)
+    if change.cells == 0:
+        return
+    mission.hopeless_since_s = None
+    mission.decide(mission.time_s, "map changed", f"in {change.cells} cells")
+    types = mission.request.robot_types
+    if any(kind.capacity > 0 for kind in types.values()):
+        # Where carriers and rovers meet may have moved: the plan in force names the old places.
+        mission.disturb()
+    for command in mission.commands.values():
+        radius_m = types[mission.robots[command.robot].type].radius_m
+        if mission.map.bars(command.path_m, radius_m, change):
+            mission.barred.add(command.id)
 
 
 def _apply_robot(mission: Mission, report: RobotReport) -> None:
