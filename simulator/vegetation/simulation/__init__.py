@@ -1,0 +1,1 @@
+"""Simulated parks, laser remission and vibration, with known truth."""
