@@ -1,12 +1,19 @@
-"""One decision: the strategy's proposal and the paths of its orders, and how long it may take."""
+"""One decision: the strategy's proposal and the paths of its orders, computed in a worker."""
 
+import logging
+import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from semantic_attachments.contract import Memory
 from service.coordination import dispatch
-from service.coordination.strategy import Proposal, Situation, Strategy
+from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
+from service.jobs.executor import Tell
 from service.messages.mission import PlanningMessage
+
+LOG = logging.getLogger(__name__)
+SEARCHES = 3
+"""A decision plans for everything, for what is urgent and for the rest, at most."""
 
 
 @dataclass(frozen=True)
@@ -15,18 +22,59 @@ class Decided:
 
     proposal: Proposal
     orders: Mapping[str, dispatch.Order]
+    proposing_s: float = 0.0
+    """Time that the strategy took [s]."""
+    routing_s: float = 0.0
+    """Time that the paths of the orders took [s]."""
 
 
 @dataclass(frozen=True)
 class Deliberation:
     """What runs away from the event loop: the strategy, then the paths of its orders."""
 
+    mission_id: str
+    fleet: str
     strategy: Strategy
-    memory: Memory
+    situation: Situation
+    overhead_limit_s: float = 60.0
+    """Time that a decision may take beside its searches before it is stopped by force [s]."""
 
-    def __call__(self, snapshot: Situation) -> Decided:
-        proposal = self.strategy.propose(snapshot, self.memory)
-        return Decided(proposal, dispatch.orders(proposal, snapshot, self.memory))
+    @property
+    def affinity(self) -> str:
+        """A mission's decisions share what its attachments keep."""
+        return self.mission_id
+
+    @property
+    def hard_limit_s(self) -> float:
+        """Wall-clock time after which its worker is killed."""
+        return SEARCHES * self.situation.planning.time_limit_s + self.overhead_limit_s
+
+    def decide(self, memory: Memory) -> Decided:
+        """Raises NoPlanError where there is nothing that the team can do."""
+        begun_s = time.perf_counter()
+        proposal = self.strategy.propose(self.situation, memory)
+        proposed_s = time.perf_counter()
+        orders = dispatch.orders(proposal, self.situation, memory)
+        return Decided(
+            proposal, orders, proposed_s - begun_s, routing_s=time.perf_counter() - proposed_s
+        )
+
+    def answer(self, tell: Tell, memory: Memory) -> None:
+        """Decides, and tells what was decided."""
+        try:
+            decided = self.decide(memory)
+        except NoPlanError as error:
+            tell({"kind": "failed", "outcome": "no_plan", "message": str(error)})
+        except Exception as error:
+            LOG.exception("mission %s: the strategy failed", self.mission_id)
+            tell({"kind": "failed", "outcome": "faulty", "message": str(error)})
+        else:
+            tell({"kind": "finished", "decided": decided})
+
+    def simpler(self) -> "Deliberation":
+        """What to decide where this was too much for a worker."""
+        fallback = getattr(self.strategy, "fallback", None)
+        return self if fallback is None else replace(self, strategy=fallback)
 
 
 LEAST_TIME_LIMIT_S = 0.05

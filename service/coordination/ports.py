@@ -1,9 +1,10 @@
 """What the coordination loop needs of the rest of the service."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Protocol
 
+from service.coordination.deliberation import Decided, Deliberation
 from service.coordination.events import Event
 from service.messages.mission import CreateMission, MissionRequest
 from service.messages.resource import UsedResource
@@ -57,10 +58,6 @@ class Resources(Protocol):
         ...
 
 
-A = TypeVar("A")
-R = TypeVar("R")
-
-
 class Observer(Protocol):
     """Hears of what the loop does, to measure it."""
 
@@ -73,14 +70,27 @@ class Observer(Protocol):
         ...
 
 
-class Planners(Protocol):
-    """Where strategies run, away from the event loop."""
+class PlannersLostError(Exception):
+    """A decision was not made: its workers were killed, crashed or took too long."""
 
-    async def run(self, function: Callable[[A], R], argument: A) -> R:
-        """`function(argument)`, computed elsewhere."""
+
+class Planners(Protocol):
+    """Where decisions are made, away from the event loop."""
+
+    async def decide(self, deliberation: Deliberation) -> Decided:
+        """The decision, computed elsewhere.
+
+        Raises:
+            NoPlanError: there is nothing that the team can do.
+            PlannersLostError: no worker lived long enough.
+        """
+        ...
+
+    def forget(self, mission_id: str) -> None:
+        """A mission has ended."""
         ...
 
     @property
     def load(self) -> float:
-        """Computations under way or waiting, for each worker."""
+        """Decisions under way or waiting, for each worker."""
         ...

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from semantic_attachments.contract import Memory
 from semantic_attachments.world import RobotModel
 from service.coordination import dispatch
 from service.coordination.deliberation import Decided, Deliberation, within_load
@@ -20,7 +19,7 @@ from service.coordination.events import OrdersIssued, PlanKept, PlanningFailed
 from service.coordination.ledger import Ledger
 from service.coordination.meeting_points import meeting_points
 from service.coordination.mission import Mission
-from service.coordination.ports import Observer, Planners, StoreError
+from service.coordination.ports import Observer, Planners, PlannersLostError, StoreError
 from service.coordination.situation import situation
 from service.coordination.strategy import NoPlanError, Situation, Strategy
 from service.messages.report import Command
@@ -67,10 +66,10 @@ class Replanning:
         self._planners = planners
         self._parameters = parameters
         self._observer = observer
-        self._memory = Memory()
         self._facts: list[str] = []
         self._facts_since_s = 0.0
         self._replanning: asyncio.Task[None] | None = None
+        self._fleet = _client_of(ledger.mission)
         self._quiet = asyncio.Event()
         self._quiet.set()
         self._waiters = 0
@@ -139,15 +138,19 @@ class Replanning:
     async def _decide(self, snapshot: Situation, events: int) -> str:
         """How the decision on a snapshot of that many events ended, in a word or two."""
         hopeless = False
+        mission_id = self._ledger.mission.id
         try:
-            decision = await self._planners.run(
-                Deliberation(self._strategy, self._memory), snapshot
+            decision = await self._planners.decide(
+                Deliberation(mission_id, self._fleet, self._strategy, snapshot)
             )
         except NoPlanError as error:
             outcome: Decided | str = f"{snapshot.trigger}: {error}"
             hopeless = True
+        except PlannersLostError as error:
+            LOG.error("mission %s: %s", mission_id, error)
+            outcome = f"{snapshot.trigger}: {error}"
         except Exception as error:
-            LOG.exception("mission %s: the strategy failed", self._ledger.mission.id)
+            LOG.exception("mission %s: the strategy failed", mission_id)
             outcome = f"{snapshot.trigger}: the strategy failed: {error}"
         else:
             outcome = decision
@@ -189,6 +192,12 @@ class Replanning:
             ]
         )
         return "next steps" if proposal.keeps_plan else "new plan"
+
+
+def _client_of(mission: Mission) -> str:
+    """Fleets take turns at the planners; a mission that names none is a fleet of its own."""
+    fleet = mission.request.fleet
+    return mission.id if fleet == "default" else fleet
 
 
 def _unchanged(mission: Mission, commands: Sequence[Command]) -> bool:

@@ -36,7 +36,7 @@ class TemporalPlanning:
     """Plans the whole mission at every event and executes the first action of each robot."""
 
     def __init__(self, fallback: Strategy) -> None:
-        self._fallback = fallback
+        self.fallback = fallback
 
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """A validated plan within the budget, or the fallback's one-step assignment."""
@@ -52,7 +52,7 @@ class TemporalPlanning:
             return self._fall_back(situation, memory, f"the planner failed: {error}")
 
     def _fall_back(self, situation: Situation, memory: Memory, why: str) -> Proposal:
-        proposal = self._fallback.propose(situation, memory)
+        proposal = self.fallback.propose(situation, memory)
         return replace(proposal, reason=f"{why}; instead {proposal.reason}")
 
 

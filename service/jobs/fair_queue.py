@@ -1,6 +1,7 @@
 """A queue in which higher priorities go first and clients of the same priority take turns."""
 
 from collections import OrderedDict, deque
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -23,34 +24,35 @@ class FairQueue(Generic[T]):
             item
         )
 
-    def take(self) -> T:
-        """The next item.
+    def take(self, accepts: Callable[[T], bool] = lambda _: True) -> T:
+        """The next item that is acceptable.
 
         Raises:
-            IndexError: the queue is empty.
+            IndexError: there is none.
         """
-        if not self._by_priority:
-            raise IndexError("the queue is empty")
-        priority = max(self._by_priority)
-        clients = self._by_priority[priority]
-        client, items = next(iter(clients.items()))
-        item = items.popleft()
-        del clients[client]
-        if items:
-            clients[client] = items  # to the end of the turn
-        elif not clients:
-            del self._by_priority[priority]
-        return item
+        for priority in sorted(self._by_priority, reverse=True):
+            for client, items in self._by_priority[priority].items():
+                for item in items:
+                    if accepts(item):
+                        self._remove(priority, client, item)
+                        if items:  # to the end of the turn
+                            self._by_priority[priority].move_to_end(client)
+                        return item
+        raise IndexError("there is nothing acceptable in the queue")
 
     def remove(self, item: T) -> bool:
         """Takes an item out; false if it is not in the queue."""
         for priority, clients in self._by_priority.items():
             for client, items in clients.items():
                 if item in items:
-                    items.remove(item)
-                    if not items:
-                        del clients[client]
-                    if not clients:
-                        del self._by_priority[priority]
+                    self._remove(priority, client, item)
                     return True
         return False
+
+    def _remove(self, priority: int, client: str, item: T) -> None:
+        clients = self._by_priority[priority]
+        clients[client].remove(item)
+        if not clients[client]:
+            del clients[client]
+        if not clients:
+            del self._by_priority[priority]

@@ -9,13 +9,12 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from service.jobs.executor import Executor, QueueFullError, Run
-from service.jobs.work import PlanningWork, Told
+from service.jobs.executor import LAST, Executor, QueueFullError, Run, Told
+from service.jobs.work import PlanningWork
 from service.messages.planning import PlanOut, PlanRequest, PlanResult, PlanStatus
 from service.store.plan_store import PlanStore
 
 LOG = logging.getLogger(__name__)
-LAST = ("finished", "failed", "canceled")
 
 
 @dataclass

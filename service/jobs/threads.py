@@ -1,12 +1,14 @@
-"""Planning in threads: the native planner lets other threads run while it searches."""
+"""Mission planning in threads: the native planner lets other threads run while it searches.
+
+For a service in its client's process (batch runs, tests), where a crash costs no fleet its
+coordination. Nothing stops a thread that takes too long.
+"""
 
 import asyncio
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
 
-A = TypeVar("A")
-R = TypeVar("R")
+from semantic_attachments.contract import Memory
+from service.coordination.deliberation import Decided, Deliberation
 
 
 class PlanningThreads:
@@ -16,18 +18,25 @@ class PlanningThreads:
         self._workers = workers
         self._under_way = 0
         self._pool = ThreadPoolExecutor(workers, thread_name_prefix="planning")
+        self._memories: dict[str, Memory] = {}
 
-    async def run(self, function: Callable[[A], R], argument: A) -> R:
-        """`function(argument)` in a worker thread."""
+    async def decide(self, deliberation: Deliberation) -> Decided:
+        """The decision, made in a worker thread."""
+        memory = self._memories.setdefault(deliberation.mission_id, Memory())
         self._under_way += 1
         try:
-            return await asyncio.get_running_loop().run_in_executor(self._pool, function, argument)
+            loop = asyncio.get_running_loop()
+            return await loop.run_in_executor(self._pool, deliberation.decide, memory)
         finally:
             self._under_way -= 1
 
+    def forget(self, mission_id: str) -> None:
+        """A mission has ended."""
+        self._memories.pop(mission_id, None)
+
     @property
     def load(self) -> float:
-        """Computations under way or waiting, for each worker."""
+        """Decisions under way or waiting, for each worker."""
         return self._under_way / self._workers
 
     def close(self) -> None:

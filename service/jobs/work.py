@@ -4,14 +4,14 @@ Everything here is plain and picklable. Texts are handed to the reader as bytes,
 in a request is ever taken for the path of a file.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-Told = dict[str, Any]
-"""What a worker tells: `{"kind": "plan" | "finished" | "failed", ...}`, JSON throughout."""
+from semantic_attachments.contract import Memory
+from service.jobs.executor import Tell
 
-Tell = Callable[[Told], None]
+GRACE_S = 2.0
+"""Time above a request's own limit after which its worker is killed."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,26 @@ class PlanningWork:
     map: dict[str, Any] | None = None
     """The map in the protocol's encoding, for domains with modules."""
     robot_types: dict[str, dict[str, Any]] | None = None
+    affinity: str | None = None
+
+    @property
+    def hard_limit_s(self) -> float:
+        """Wall-clock time after which its worker is killed."""
+        return self.time_limit_s + GRACE_S
+
+    def answer(self, tell: Tell, _: Memory) -> None:
+        """Solves, with every fault told as the request's end."""
+        import planner
+        from semantic_attachments import BindingError, EvaluationError
+
+        try:
+            solve(self, tell)
+        except planner.PlannerError as error:
+            tell({"kind": "failed", "outcome": str(error.outcome), "message": str(error)})
+        except (BindingError, EvaluationError, ValueError) as error:
+            tell({"kind": "failed", "outcome": "input_error", "message": str(error)})
+        except MemoryError:
+            tell({"kind": "failed", "outcome": "out_of_memory", "message": "out of memory"})
 
 
 def solve(work: PlanningWork, tell: Tell) -> None:
@@ -82,17 +102,3 @@ def solve(work: PlanningWork, tell: Tell) -> None:
         }
     )
 
-
-def answer(work: PlanningWork, tell: Tell) -> None:
-    """`solve`, with every fault told as the request's end."""
-    import planner
-    from semantic_attachments import BindingError, EvaluationError
-
-    try:
-        solve(work, tell)
-    except planner.PlannerError as error:
-        tell({"kind": "failed", "outcome": str(error.outcome), "message": str(error)})
-    except (BindingError, EvaluationError, ValueError) as error:
-        tell({"kind": "failed", "outcome": "input_error", "message": str(error)})
-    except MemoryError:
-        tell({"kind": "failed", "outcome": "out_of_memory", "message": "out of memory"})

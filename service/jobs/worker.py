@@ -1,30 +1,52 @@
-"""A worker process: takes requests from a pipe, tells what it finds, until the pipe closes."""
+"""A worker process: takes work from a pipe, tells what it finds, until the pipe closes."""
 
+import os
 import resource
+import select
 import signal
+import threading
 from multiprocessing.connection import Connection
 
-from service.jobs.work import PlanningWork, Told, answer
+from service.jobs.executor import Told
+from service.jobs.parcels import Receiving
 
 MIB = 2**20
 
 
 def main(pipe: Connection, memory_limit_mb: int) -> None:
-    """Serves one request after the other.
+    """Serves one piece of work after the other.
 
-    The address space is limited: a request that wants more memory fails, or takes this process
-    with it, but never the service.
+    The address space is limited: work that wants more memory fails, or takes this process with it,
+    but never the service. The process leads a group of its own, so that what it starts ends with
+    it.
     """
+    os.setsid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the service decides when to stop
-    resource.setrlimit(resource.RLIMIT_AS, (memory_limit_mb * MIB, memory_limit_mb * MIB))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    limit_memory(memory_limit_mb)
+    threading.Thread(target=_end_with_the_service, args=(pipe,), daemon=True).start()
+    receiving = Receiving()
+
+    def tell(told: Told) -> None:
+        pipe.send(told)
+
     while True:
         try:
-            work: PlanningWork = pipe.recv()
+            work, memory = receiving.unpack(pipe.recv_bytes())
         except EOFError:
             return
+        work.answer(tell, memory)
 
-        def tell(told: Told) -> None:
-            pipe.send(told)
 
-        answer(work, tell)
+def limit_memory(limit_mb: int) -> None:
+    """Limits the address space of this process [MiB]; no core dumps."""
+    resource.setrlimit(resource.RLIMIT_AS, (limit_mb * MIB, limit_mb * MIB))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _end_with_the_service(pipe: Connection) -> None:
+    """A service that is killed leaves no process behind that goes on planning for nobody."""
+    hung_up = select.poll()
+    hung_up.register(pipe.fileno(), select.POLLHUP)
+    while not hung_up.poll():
+        pass
+    os.killpg(0, signal.SIGKILL)

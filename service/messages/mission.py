@@ -45,6 +45,8 @@ class PlanningMessage(Message):
     margin: Annotated[float, Field(ge=0.0, le=0.5)] = 0.02
     """A new plan replaces a valid one if it is better by this share of the remaining makespan."""
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0
+    priority: Annotated[int, Field(ge=0, le=9)] = 0
+    """Missions of a higher priority are planned first when planners are busy."""
 
 
 class Task(Message):

@@ -9,7 +9,7 @@ from sqlalchemy import Engine, insert, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.coordination.ports import StoreError
-from service.jobs.work import Told
+from service.jobs.executor import Told
 from service.store.tables import PLAN_EVENTS, PLAN_REQUESTS
 
 
