@@ -10,12 +10,15 @@ from fastapi import FastAPI
 from domains import catalogue
 from service import json_body, problem_details
 from service.access import Gate
+from service.coordination.ports import Planners
 from service.coordination.registry import Missions
 from service.coordination.replanning import LoopParameters
 from service.coordination.strategies import all_strategies
+from service.jobs.executors import executor
+from service.jobs.mission_planning import MissionPlanning
 from service.jobs.planning_requests import PlanningRequests
-from service.jobs.process_pool import PoolParameters, ProcessPool
 from service.jobs.threads import PlanningThreads
+from service.jobs.worker_pool import PoolParameters, WorkerPool
 from service.metrics import Metrics
 from service.observation import Observation
 from service.resources.library import Library
@@ -37,6 +40,31 @@ from service.store.resource_store import ResourceStore
 from service.store.schema import prepare
 
 
+class MissionPlanners:
+    """Where missions are planned: threads, or workers that can be ended by force."""
+
+    def __init__(self, settings: Settings, metrics: Metrics) -> None:
+        self.executor: WorkerPool | None = None
+        self._threads: PlanningThreads | None = None
+        if settings.executor == "threads":
+            self._threads = PlanningThreads(settings.planning_workers)
+            self.planners: Planners = self._threads
+            return
+        # A mission has one decision under way at most: its queue is as long as there are missions.
+        parameters = PoolParameters(
+            settings.planning_workers, settings.max_missions, settings.planning_memory_mb
+        )
+        self.executor = executor(settings, parameters, metrics.replan_waited)
+        self.planners = MissionPlanning(self.executor)
+
+    async def close(self) -> None:
+        """Stops all planning."""
+        if self.executor is not None:
+            await self.executor.close()
+        if self._threads is not None:
+            self._threads.close()
+
+
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The coordination service; opens its database when it starts, not before."""
     settings = settings or Settings()
@@ -48,23 +76,24 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         engine = connect(settings.database_url)
         await to_thread.run_sync(prepare, engine)
         store = EventStore(engine)
-        pool = ProcessPool(
+        planning = MissionPlanners(settings, metrics)
+        pool = executor(
+            settings,
             PoolParameters(
-                settings.planning_processes,
-                settings.planning_queue,
-                settings.planning_memory_mb,
-            )
+                settings.planning_processes, settings.planning_queue, settings.planning_memory_mb
+            ),
+            metrics.request_waited,
         )
         app.state.store, app.state.executor = store, pool
+        app.state.mission_executor = planning.executor
         app.state.planning_requests = PlanningRequests(PlanStore(engine), pool, catalogue.ROOT)
         library = Library(ResourceStore(engine))
         await to_thread.run_sync(library.install_built_in)
         app.state.library = library
-        planners = PlanningThreads(settings.planning_workers)
         app.state.missions = Missions(
             store,
             all_strategies(),
-            planners,
+            planning.planners,
             LoopParameters(
                 debounce_s=settings.debounce_s,
                 idle_replan_s=settings.idle_replan_s,
@@ -81,10 +110,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         try:
             yield
         finally:
+            await pool.drain(settings.drain_s)
             await app.state.missions.stop()
             await app.state.planning_requests.close()
             await pool.close()
-            planners.close()
+            await planning.close()
             store.close()
 
     app = FastAPI(

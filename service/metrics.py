@@ -41,7 +41,21 @@ class Metrics:
         self.worker_restarts = Gauge(
             "marsupial_worker_restarts",
             "Planning workers killed or crashed, and replaced",
+            ["kind"],
             registry=self.registry,
+        )
+        self.waiting = Histogram(
+            "marsupial_planning_wait_seconds",
+            "Time that replans and planning requests waited for a worker",
+            ["kind"],
+            buckets=_SECONDS,
+            registry=self.registry,
+        )
+        self.replans_queued = Gauge(
+            "marsupial_replans_queued", "Replans waiting for a worker", registry=self.registry
+        )
+        self.replans_running = Gauge(
+            "marsupial_replans_running", "Replans being computed", registry=self.registry
         )
         self.remaining_makespan = Histogram(
             "marsupial_plan_makespan_seconds",
@@ -49,6 +63,14 @@ class Metrics:
             buckets=(10, 30, 60, 120, 300, 600, 1200, 3600),
             registry=self.registry,
         )
+
+    def replan_waited(self, duration_s: float) -> None:
+        """A replan has found a worker."""
+        self.waiting.labels("replan").observe(duration_s)
+
+    def request_waited(self, duration_s: float) -> None:
+        """A planning request has found a worker."""
+        self.waiting.labels("request").observe(duration_s)
 
     def replanned(self, outcome: str, duration_s: float, makespan_s: float | None) -> None:
         """A replan has ended."""

@@ -1,10 +1,13 @@
 """What an operator decides: one frozen object, passed in from the command line."""
 
 from pathlib import Path
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.access import ApiKey
+
+ExecutorName = Literal["processes", "threads", "ray"]
 
 
 class Settings(BaseModel):
@@ -16,14 +19,22 @@ class Settings(BaseModel):
     """SQLAlchemy URL of the event log."""
     api_keys: list[ApiKey] = Field(default_factory=list)
     """Without keys everything is open."""
+    executor: ExecutorName = "processes"
+    """Where planning runs: worker processes of this machine, threads (missions only), or Ray."""
+    ray_address: str | None = None
+    """Ray cluster to join; None starts Ray on this machine."""
+    warm_pool: bool = False
+    """Whether workers are started before there is work for them."""
     planning_workers: int = Field(default=2, ge=1)
     """Replans computed at the same time."""
     planning_processes: int = Field(default=2, ge=1)
-    """Worker processes for planning requests."""
+    """Workers for planning requests."""
     planning_queue: int = Field(default=100, ge=0)
     """Planning requests that wait at most."""
     planning_memory_mb: int = Field(default=4096, ge=256)
     """Address space of a worker process [MiB]."""
+    drain_s: float = Field(default=10.0, ge=0.0)
+    """How long planning requests under way may take when the service is asked to stop."""
     max_pddl_bytes: int = Field(default=2 * 2**20, ge=1024)
     """Length of a domain or problem text."""
     debounce_s: float = Field(default=0.05, ge=0.0)

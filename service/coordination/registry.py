@@ -149,6 +149,7 @@ class Missions:
     def _forget_closed(self) -> None:
         for mission_id in [key for key, value in self._open.items() if value.mission.is_over]:
             del self._open[mission_id]
+            self._planners.forget(mission_id)
 
     def _coordinator(self, mission: Mission) -> Coordinator:
         request = mission.request

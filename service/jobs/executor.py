@@ -29,7 +29,7 @@ class Work(Protocol):
 
     @property
     def affinity(self) -> str | None:
-        """Work of the same affinity shares what attachments keep, if it comes to the same worker."""
+        """Work of one affinity shares what attachments keep, if it comes to the same worker."""
         ...
 
     def answer(self, tell: Tell, memory: Memory) -> None:

@@ -47,14 +47,11 @@ class MissionPlanning:
             )
         except QueueFullError as error:
             raise PlannersLostError(str(error)) from None
-        told: Told = {}
         try:
-            async for told in run.told():
-                pass
+            return [told async for told in run.told()][-1]
         except asyncio.CancelledError:
             run.cancel()
             raise
-        return told
 
     def forget(self, mission_id: str) -> None:
         """A mission has ended."""

@@ -101,4 +101,3 @@ def solve(work: PlanningWork, tell: Tell) -> None:
             },
         }
     )
-

@@ -44,5 +44,11 @@ async def exposition(request: Request) -> Response:
     measured.missions.set(missions.open_count)
     measured.plans_queued.set(capacity.queued)
     measured.plans_running.set(capacity.running)
-    measured.worker_restarts.set(capacity.restarts)
+    measured.worker_restarts.labels("request").set(capacity.restarts)
+    mission_executor: Executor | None = state.mission_executor
+    if mission_executor is not None:
+        capacity = mission_executor.capacity()
+        measured.replans_queued.set(capacity.queued)
+        measured.replans_running.set(capacity.running)
+        measured.worker_restarts.labels("replan").set(capacity.restarts)
     return Response(measured.exposition(), media_type=metrics.CONTENT_TYPE)

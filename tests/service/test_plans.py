@@ -39,7 +39,7 @@ def endless(**more: Any) -> dict[str, Any]:
 def workers(client: InProcessClient) -> list[int]:
     """Process ids of this application's planning workers."""
     pool = client.app.state.planning_requests._executor
-    return [slot.process.pid for slot in pool.workers()]
+    return [worker.process.pid for worker in pool.workers()]
 
 
 def test_a_plan_is_waited_for(client: InProcessClient) -> None:
