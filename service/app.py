@@ -14,7 +14,7 @@ from service.coordination.ports import Planners
 from service.coordination.registry import Missions
 from service.coordination.replanning import LoopParameters
 from service.coordination.strategies import all_strategies
-from service.jobs.executors import executor
+from service.jobs.executors import executor, release
 from service.jobs.mission_planning import MissionPlanning
 from service.jobs.planning_requests import PlanningRequests
 from service.jobs.threads import PlanningThreads
@@ -115,6 +115,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             await app.state.planning_requests.close()
             await pool.close()
             await planning.close()
+            await to_thread.run_sync(release, settings)
             store.close()
 
     app = FastAPI(

@@ -24,3 +24,11 @@ def executor(
     if settings.warm_pool:
         pool.warm_up()
     return pool
+
+
+def release(settings: Settings) -> None:
+    """Lets go of what all pools of a service share, after they are closed."""
+    if settings.executor == "ray":
+        from service.jobs.ray_pool import leave
+
+        leave()

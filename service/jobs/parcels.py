@@ -89,6 +89,10 @@ class Receiving:
             return work, Memory()
         return work, self._memories.setdefault(work.affinity, Memory())
 
+    def relieve(self) -> None:
+        """Drops what can be computed again."""
+        self._memories.clear()
+
 
 class _Unpacker(pickle.Unpickler):
     def __init__(self, file: io.BytesIO, maps: dict[str, GridMap]) -> None:

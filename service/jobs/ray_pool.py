@@ -8,6 +8,7 @@ import asyncio
 import logging
 import os
 import queue
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -17,13 +18,12 @@ from ray.exceptions import RayError
 
 from service.jobs.executor import LAST, Told
 from service.jobs.parcels import Receiving
-from service.jobs.worker import limit_memory
+from service.jobs.worker import RELIEF_SHARE, limit_memory, mapped_mb, resident_mb
 from service.jobs.worker_pool import PoolParameters, WorkerPool
 
 LOG = logging.getLogger(__name__)
 OBJECT_STORE_BYTES = 80 * 2**20
 """Of a Ray that is started here: parcels and plans are small."""
-KIB = 2**10
 
 
 def ray_pool(
@@ -53,7 +53,7 @@ def join(address: str | None, workers: int) -> None:
         if ray.is_initialized():
             return
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-        quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.WARNING}
+        quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
         if address is not None:
             ray.init(address=address, **quiet)
             return
@@ -62,8 +62,16 @@ def join(address: str | None, workers: int) -> None:
             num_cpus=max(2 * workers, os.cpu_count() or 1),
             include_dashboard=False,
             object_store_memory=OBJECT_STORE_BYTES,
+            # A checkout that is not installed is importable here, so it has to be there.
+            runtime_env={"env_vars": {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}},
             **quiet,
         )
+
+
+def leave() -> None:
+    """Lets go of Ray; one that was started here ends."""
+    with _JOINING:
+        ray.shutdown()
 
 
 class PlanningActor:
@@ -71,11 +79,12 @@ class PlanningActor:
 
     def __init__(self, memory_limit_mb: int) -> None:
         # What Ray itself has mapped, its object store above all, does not count.
-        limit_memory(memory_limit_mb + _mapped_mb())
+        limit_memory(memory_limit_mb + mapped_mb())
+        self._relief_mb = memory_limit_mb * RELIEF_SHARE
         self._receiving = Receiving()
 
     def answer(self, parcel: bytes) -> Iterator[Told]:
-        """Everything that the work tells, as it is told."""
+        """Everything that the work tells, as soon as it is told and lets other threads run."""
         work, memory = self._receiving.unpack(parcel)
         news: queue.SimpleQueue[Told] = queue.SimpleQueue()
 
@@ -90,16 +99,13 @@ class PlanningActor:
             told = news.get()
             yield told
             if told["kind"] in LAST:
-                return
+                break
+        if resident_mb() > self._relief_mb:
+            self._receiving.relieve()
 
     def pid(self) -> int:
         """Its process id."""
         return os.getpid()
-
-
-def _mapped_mb() -> int:
-    with open("/proc/self/statm", encoding="ascii") as statm:  # noqa: PTH123
-        return int(statm.read().split()[0]) * (os.sysconf("SC_PAGE_SIZE") // KIB) // KIB
 
 
 class RayWorker:
@@ -114,8 +120,13 @@ class RayWorker:
     @classmethod
     async def hired(cls, memory_limit_mb: int) -> "RayWorker":
         """A new actor, once its process is there."""
-        actor = ray.remote(num_cpus=1, max_restarts=0)(PlanningActor).remote(memory_limit_mb)
-        return cls(actor, await actor.pid.remote())
+        remote: Any = ray.remote(num_cpus=1, max_restarts=0)(PlanningActor)
+        actor = remote.remote(memory_limit_mb)
+        try:
+            return cls(actor, await actor.pid.remote())
+        except asyncio.CancelledError:
+            ray.kill(actor, no_restart=True)
+            raise
 
     async def send(self, parcel: bytes) -> None:
         """Hands it work; a dead worker is noticed on hearing."""
@@ -127,7 +138,7 @@ class RayWorker:
             async for reference in references:
                 self._news.put_nowait(await reference)
         except RayError as error:
-            reason = str(error).strip().splitlines()[0]
+            reason = str(error).strip().splitlines()[-1].split(". ")[0]
             self._news.put_nowait(
                 {
                     "kind": "failed",

@@ -6,11 +6,14 @@ import select
 import signal
 import threading
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 from service.jobs.executor import Told
 from service.jobs.parcels import Receiving
 
 MIB = 2**20
+RELIEF_SHARE = 0.5
+"""Above this share of its memory limit a worker drops what it keeps between works."""
 
 
 def main(pipe: Connection, memory_limit_mb: int) -> None:
@@ -35,12 +38,26 @@ def main(pipe: Connection, memory_limit_mb: int) -> None:
         except EOFError:
             return
         work.answer(tell, memory)
+        if resident_mb() > memory_limit_mb * RELIEF_SHARE:
+            receiving.relieve()
 
 
 def limit_memory(limit_mb: int) -> None:
     """Limits the address space of this process [MiB]; no core dumps."""
     resource.setrlimit(resource.RLIMIT_AS, (limit_mb * MIB, limit_mb * MIB))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def resident_mb() -> float:
+    """Memory of this process that is in RAM [MiB]."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / MIB
+
+
+def mapped_mb() -> int:
+    """Address space of this process [MiB]."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    return pages * os.sysconf("SC_PAGE_SIZE") // MIB
 
 
 def _end_with_the_service(pipe: Connection) -> None:
