@@ -125,7 +125,7 @@ def _connected(options: RunOptions) -> Iterator[tuple[PlanListener, httpx.Client
         if options.service is None:
             # The fleet's clock stands still while the service thinks: nothing to wait for, and
             # nobody outlives this process who could read the log.
-            settings = Settings(database_url="sqlite://", debounce_s=0.0)
+            settings = Settings(database_url="sqlite://", debounce_s=0.0, executor="threads")
             inner = stack.enter_context(service_in_process(settings))
         else:
             inner = httpx.HTTPTransport()

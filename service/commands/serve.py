@@ -4,8 +4,9 @@ import ipaddress
 import json
 import logging
 import sys
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, NoReturn, cast, get_args
 
 import typer
 import uvicorn
@@ -13,14 +14,14 @@ import uvicorn
 from service.access import ApiKey, KeyFileError, read_keys
 from service.app import create_app
 from service.commands.exit_codes import INPUT_ERROR, USAGE_ERROR
-from service.settings import Settings
+from service.settings import ExecutorName, Settings
 from service.store.engine import DatabaseUrlError, connect
 
 DRAIN_S = 10
 """How long requests under way may take after SIGTERM."""
 
 
-def serve(
+def serve(  # noqa: PLR0917 - options of a command line, never positional
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="TCP port; 0 takes a free one.")
@@ -31,6 +32,24 @@ def serve(
     keys: Annotated[
         Path | None, typer.Option(help="TOML file of API keys, made by `marsupial new-key`.")
     ] = None,
+    executor: Annotated[
+        str,
+        typer.Option(
+            help="Where planning runs: processes, threads (missions only), or ray "
+            "(extra marsupial[cluster])."
+        ),
+    ] = "processes",
+    ray_address: Annotated[
+        str | None,
+        typer.Option(help="Ray cluster to join; without it Ray is started on this machine."),
+    ] = None,
+    workers: Annotated[int, typer.Option(min=1, help="Replans computed at the same time.")] = 2,
+    request_workers: Annotated[
+        int, typer.Option(min=1, help="Planning requests computed at the same time.")
+    ] = 2,
+    worker_memory_mb: Annotated[
+        int, typer.Option(min=256, help="Address space of a planning worker [MiB].")
+    ] = 4096,
     json_logs: Annotated[
         bool, typer.Option("--json-logs", help="Log a JSON object a line.")
     ] = False,
@@ -55,8 +74,18 @@ def serve(
     except Exception as error:
         _refuse(f"the database {db} cannot be opened: {error}", INPUT_ERROR)
     log_to_stderr(as_json=json_logs)
+    settings = Settings(
+        database_url=db,
+        api_keys=api_keys,
+        executor=_executor(executor),
+        ray_address=ray_address,
+        warm_pool=True,
+        planning_workers=workers,
+        planning_processes=request_workers,
+        planning_memory_mb=worker_memory_mb,
+    )
     uvicorn.run(
-        create_app(Settings(database_url=db, api_keys=api_keys)),
+        create_app(settings),
         host=host,
         port=port,
         log_config=None,
@@ -72,6 +101,15 @@ def _keys(path: Path | None) -> list[ApiKey]:
         return read_keys(path)
     except KeyFileError as error:
         _refuse(str(error), INPUT_ERROR)
+
+
+def _executor(name: str) -> ExecutorName:
+    if name not in get_args(ExecutorName):
+        names = ", ".join(get_args(ExecutorName))
+        _refuse(f"no executor {name!r}: there are {names}", USAGE_ERROR)
+    if name == "ray" and find_spec("ray") is None:
+        _refuse("Ray is not installed: pip install 'marsupial[cluster]'", USAGE_ERROR)
+    return cast(ExecutorName, name)
 
 
 def _refuse(why: str, exit_code: int) -> NoReturn:
