@@ -5,7 +5,8 @@ depend on the direction of travel, so each pair of places is computed once, from
 serves more pairs.
 
 What is kept across replans is the pairs: a pair is forgotten only if a cell of its path was closed,
-or if opened cells lie where a shorter path could run (no octile path through them is longer).
+or if opened cells lie where a shorter path could run (no octile path through them is longer). The
+shortest-path trees of forgotten pairs are repaired where the change touches them.
 """
 
 from collections import OrderedDict
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments.contract import EvaluationError
-from semantic_attachments.legs import Layer, Pair, Place, ordered
+from semantic_attachments.legs import Layer, Pair, Place
 from semantic_attachments.map_change import MapChange
 from semantic_attachments.robot_class import GridParameters, RobotClass, fastest_m_s
 from semantic_attachments.world import GridMap, Location, World
@@ -30,6 +31,10 @@ class Statistics:
 
     fields: int = 0
     """One-to-all searches."""
+    repaired: int = 0
+    """Shortest-path trees of the world before that were repaired."""
+    cells_repaired: int = 0
+    """Cells computed for them."""
     kept: int = 0
     """Pairs taken over from the world before."""
     forgotten: int = 0
@@ -43,14 +48,24 @@ class PathCosts:
         self.world = world
         self.parameters = parameters or GridParameters()
         self.statistics = Statistics()
-        self._layers: dict[RobotClass, Layer] = {}
         self._lock = RLock()
-        self._classes = {
-            name: (RobotClass.of(model, world.grid, self.parameters), fastest_m_s(model))
+        classes: dict[RobotClass, int] = {}
+        self._robots = {
+            name: (
+                classes.setdefault(RobotClass.of(model, world.grid, self.parameters), len(classes)),
+                fastest_m_s(model),
+            )
             for name, model in world.robots.items()
         }
-        self._places = {
-            name: self._place(location) for name, location in sorted(world.locations.items())
+        self._classes = tuple(classes)
+        self._layers: dict[int, Layer] = {}
+        """By the number of the robots' class."""
+        places = {name: self._place(location) for name, location in world.locations.items()}
+        known = {place for place in places.values() if place is not None}
+        self._places = sorted(known, key=lambda place: place.rank)
+        numbers = {place: number for number, place in enumerate(self._places)}
+        self._number = {
+            name: None if place is None else numbers[place] for name, place in places.items()
         }
 
     def after(self, world: World) -> "PathCosts":
@@ -64,8 +79,10 @@ class PathCosts:
                 world.grid.origin_m,
             )
             if same_frame and before.terrain_classes == world.grid.terrain_classes:
-                for robot_class, layer in self._layers.items():
-                    costs._layers[robot_class] = costs._take_over(robot_class, layer, before)
+                for number, layer in self._layers.items():
+                    robot_class = self._classes[number]
+                    if robot_class in costs._classes:
+                        costs._take_over(costs._classes.index(robot_class), layer, before)
         return costs
 
     def __call__(self, *arguments: str) -> float:
@@ -79,16 +96,18 @@ class PathCosts:
             EvaluationError: if the world has no such robot or location.
         """
         with self._lock:
-            wanted: dict[RobotClass, dict[Pair, None]] = {}
+            wanted: dict[int, dict[Pair, None]] = {}
             resolved = []
             for call in calls:
-                robot_class, speed_m_s, start, goal = self._resolve(call)
-                resolved.append((robot_class, speed_m_s, start, goal))
-                if start is not None and goal is not None and start != goal:
-                    wanted.setdefault(robot_class, {})[ordered(start, goal)] = None
-            for robot_class, pairs in wanted.items():
-                layer = self._layer(robot_class)
-                self._count(layer, pairs)
+                number, speed_m_s, start, goal = self._resolve(call)
+                pair = None
+                if start is not None and goal is not None:
+                    pair = (start, goal) if start < goal else (goal, start)
+                    if start != goal:
+                        wanted.setdefault(number, {})[pair] = None
+                resolved.append((number, speed_m_s, pair))
+            for number, pairs in wanted.items():
+                self._count(self._layer(number), pairs)
             return [self._duration_s(*entry) for entry in resolved]
 
     def path(self, robot: str, start: str, goal: str) -> NDArray[np.float64]:
@@ -97,26 +116,28 @@ class PathCosts:
         Straight lines join them wherever the robot has half a cell to spare.
         """
         with self._lock:
-            robot_class, _, first, last = self._resolve((robot, start, goal))
+            number, _, first, last = self._resolve((robot, start, goal))
             ends = [self.world.locations[name].position_m for name in (start, goal)]
             if first is None or last is None:
                 return np.empty((0, 2))
             if first == last:
                 return np.array(ends)
-            layer = self._layer(robot_class)
-            pair = ordered(first, last)
+            layer = self._layer(number)
+            pair = (min(first, last), max(first, last))
             self._count(layer, [pair])
             leg = layer.legs[pair]
             if not isfinite(leg.length):
                 return np.empty((0, 2))
             if layer.roomy is None:
-                layer.roomy = robot_class.traversability(
+                layer.roomy = self._classes[number].traversability(
                     self.world.grid,
                     layer.blockades,
                     self.parameters,
                     extra_radius_m=self.world.grid.resolution_m / 2,
                 )
-            cells = layer.roomy.way_points(leg.path, layer.opened(*pair))
+            cells = layer.roomy.way_points(
+                leg.path, layer.opened(*(self._places[end] for end in pair))
+            )
             snapped = leg.snapped
             if pair != (first, last):
                 cells, snapped = cells[::-1], (snapped[1], snapped[0])
@@ -127,20 +148,21 @@ class PathCosts:
 
     def length_m(self, robot: str, start: str, goal: str) -> float:
         """Length of the shortest path [m], as if driven at the robot's fastest speed throughout."""
-        return self(robot, start, goal) * self._classes[robot][1]
+        return self(robot, start, goal) * self._robots[robot][1]
 
-    def _resolve(
-        self, call: tuple[str, ...]
-    ) -> tuple[RobotClass, float, Place | None, Place | None]:
+    def _resolve(self, call: tuple[str, ...]) -> tuple[int, float, int | None, int | None]:
+        """Number of the robot's class, its speed [m/s], numbers of the places; None is outside."""
         if len(call) != 3:
             raise EvaluationError(f"pathCost takes a robot and two locations, not {call}")
         robot, start, goal = call
-        if robot not in self._classes:
-            raise EvaluationError(f"the world has no robot {robot!r}")
-        for name in (start, goal):
-            if name not in self._places:
-                raise EvaluationError(f"the world has no location {name!r}")
-        return *self._classes[robot], self._places[start], self._places[goal]
+        try:
+            number, speed_m_s = self._robots[robot]
+        except KeyError:
+            raise EvaluationError(f"the world has no robot {robot!r}") from None
+        try:
+            return number, speed_m_s, self._number[start], self._number[goal]
+        except KeyError as unknown:
+            raise EvaluationError(f"the world has no location {unknown}") from None
 
     def _place(self, location: Location) -> Place | None:
         cell = self.world.grid.cell_at(location.position_m)
@@ -149,38 +171,41 @@ class PathCosts:
             return None
         return Place(cell, None if blockade is None else self.world.blockades[blockade])
 
-    def _duration_s(
-        self, robot_class: RobotClass, speed_m_s: float, start: Place | None, goal: Place | None
-    ) -> float:
-        if start is None or goal is None:
+    def _duration_s(self, number: int, speed_m_s: float, pair: Pair | None) -> float:
+        if pair is None:
             return inf
-        if start == goal:
+        if pair[0] == pair[1]:
             return 0.0
-        length = self._layers[robot_class].legs[ordered(start, goal)].length
+        length = self._layers[number].legs[pair].length
         # Nanoseconds: the sum of a path's steps depends on their order, that is on its end, in the
         # last bits.
         return round(length * self.world.grid.resolution_m / speed_m_s, 9)
 
-    def _layer(self, robot_class: RobotClass) -> Layer:
-        layer = self._layers.get(robot_class)
+    def _layer(self, number: int) -> Layer:
+        layer = self._layers.get(number)
         if layer is None:
+            robot_class = self._classes[number]
             blockades = tuple(self.world.blockades[name] for name in sorted(self.world.blockades))
             layer = Layer(
+                self._places,
                 robot_class.traversability(self.world.grid, blockades, self.parameters),
                 blockades,
                 snap_limit_cells=1.5 * robot_class.radius_m / self.world.grid.resolution_m + 3.0,
                 any_angle=self.parameters.any_angle,
             )
-            self._layers[robot_class] = layer
+            self._layers[number] = layer
         return layer
 
     def _count(self, layer: Layer, pairs: Iterable[Pair]) -> None:
-        before = layer.grown
+        before = (layer.grown, layer.repaired, layer.cells_repaired)
         layer.compute(pairs)
-        self.statistics.fields += layer.grown - before
+        self.statistics.fields += layer.grown - before[0]
+        self.statistics.repaired += layer.repaired - before[1]
+        self.statistics.cells_repaired += layer.cells_repaired - before[2]
 
-    def _take_over(self, robot_class: RobotClass, old: Layer, before: GridMap) -> Layer:
-        new = self._layer(robot_class)
+    def _take_over(self, number: int, old: Layer, before: GridMap) -> None:
+        """Fills a layer with what the change of the map cannot touch."""
+        new, robot_class = self._layer(number), self._classes[number]
         change = MapChange.between(
             (old.traversability, old.blockades, robot_class.multiplier(before, self.parameters)),
             (
@@ -189,17 +214,27 @@ class PathCosts:
                 robot_class.multiplier(self.world.grid, self.parameters),
             ),
         )
+        numbers = {place: index for index, place in enumerate(self._places)}
+        renumbered = [numbers.get(place) for place in old.places]
+        legs = {
+            (first, second): leg
+            for pair, leg in old.legs.items()
+            if (first := renumbered[pair[0]]) is not None
+            and (second := renumbered[pair[1]]) is not None
+        }
         if change is None:
-            new.fields = OrderedDict(old.fields)
+            new.fields, new.stale = OrderedDict(old.fields), OrderedDict(old.stale)
             new.lines = OrderedDict(old.lines)
             new.roomy = old.roomy
-        places = {place for place in self._places.values() if place is not None}
-        legs = {
-            pair: leg for pair, leg in old.legs.items() if pair[0] in places and pair[1] in places
-        }
-        if change is not None:
+        else:
+            here = set(new.blockades)
+            new.stale = OrderedDict(
+                (key, tree)
+                for key, tree in [*old.stale.items(), *old.fields.items()]
+                if key[1] is None or key[1] in here
+            )
             touched = change.touches(
-                [(pair[0].cell, pair[1].cell, leg) for pair, leg in legs.items()],
+                [(self._places[i].cell, self._places[j].cell, leg) for (i, j), leg in legs.items()],
                 new.snap_limit_cells,
                 any_angle=self.parameters.any_angle,
             )
@@ -209,4 +244,3 @@ class PathCosts:
             }
         self.statistics.kept += len(legs)
         new.legs = legs
-        return new

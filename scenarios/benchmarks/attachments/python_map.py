@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
-from math import inf, sqrt
+from math import inf, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,16 +11,19 @@ from numpy.typing import NDArray
 
 from semantic_attachments.legs import Layer
 from semantic_attachments.path_costs import PathCosts
-from semantic_attachments.robot_class import RobotClass
 from semantic_attachments.world import World
 
 DIAGONAL = sqrt(2)
+
+End = tuple[int, int | None]
+"""A cell and the number of the blockade that is open there."""
 
 
 @dataclass
 class PythonField:
     """The shortest-path tree of a source."""
 
+    source: int
     distances: list[float]
     before: list[int]
     nbytes: int = 0
@@ -50,7 +53,33 @@ class PythonMap:
         distances, before = [inf] * len(passable), [-1] * len(passable)
         distances[source] = 0.0
         grow(passable, self._width, distances, before, [(0.0, source)])
-        return PythonField(distances, before)
+        return PythonField(source, distances, before)
+
+    def legs(
+        self, field: PythonField, source: End, goals: Sequence[End], limit_cells: float
+    ) -> tuple[list[float], list[bool], list[bool], NDArray[np.uint32], list[int]]:
+        """What `Traversability.legs` answers."""
+        lengths, from_beside, to_beside = [], [], []
+        paths, stops = [np.empty(0, np.uint32)], [0]
+        for goal in goals:
+            opened = sorted({end[1] for end in (source, goal) if end[1] is not None})
+            start = self._native.nearest(source[0], opened, limit_cells)
+            end = self._native.nearest(goal[0], opened, limit_cells)
+            length, way = inf, np.empty(0, np.uint32)
+            if start is not None and end is not None:
+                if start[0] != field.source:
+                    length = nan
+                elif goal[1] in (None, source[1]):
+                    length, way = field.distance(end[0]), field.path_to(end[0])
+                else:
+                    length, way = self.reach(field, end[0], opened)
+                length += start[1] + end[1]
+            lengths.append(length)
+            from_beside.append(start is None or start[0] != source[0])
+            to_beside.append(end is None or end[0] != goal[0])
+            paths.append(way)
+            stops.append(stops[-1] + len(way))
+        return lengths, from_beside, to_beside, np.concatenate(paths), stops[1:]
 
     def reach(
         self, field: PythonField, goal: int, opened: Sequence[int]
@@ -134,8 +163,8 @@ def grow(
 class PythonPathCosts(PathCosts):
     """Path costs on `PythonMap`."""
 
-    def _layer(self, robot_class: RobotClass) -> Layer:
-        layer = super()._layer(robot_class)
+    def _layer(self, number: int) -> Layer:
+        layer = super()._layer(number)
         stand_in: Any = PythonMap(layer.traversability)
         if not isinstance(layer.traversability, PythonMap):
             layer.traversability = stand_in

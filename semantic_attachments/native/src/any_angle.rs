@@ -7,8 +7,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use crate::field::mean_factor;
 use crate::line_of_sight::{sees, touched};
-use crate::one_to_all::mean_factor;
 use crate::shape::{STEP_LENGTHS, Shape};
 
 /// The tree of straight lines from one source.
@@ -132,6 +132,7 @@ mod tests {
     use crate::moves::all_moves;
     use crate::one_to_all::one_to_all;
     use proptest::prelude::*;
+    use std::sync::Arc;
 
     #[test]
     fn an_empty_grid_has_euclidean_distances() {
@@ -160,11 +161,11 @@ mod tests {
             let shape = Shape { height: 12, width: 14 };
             let moves = all_moves(shape, &passable);
             let factors: Vec<f32> = coarse.iter().map(|&factor| f32::from(factor)).collect();
-            let factors = weighted.then_some(&factors[..]);
-            let field = any_angle(shape, &moves, &passable, factors, source);
-            let grid = one_to_all(shape, &moves, factors, source);
+            let factors = weighted.then_some(factors);
+            let field = any_angle(shape, &moves, &passable, factors.as_deref(), source);
+            let grid = one_to_all(shape, Arc::new(moves), factors.map(Arc::new), source);
             for cell in 0..168u32 {
-                let (found, octile) = (field.distances[cell as usize], grid.distances[cell as usize]);
+                let (found, octile) = (field.distances[cell as usize], grid.distance(cell));
                 prop_assert_eq!(found.is_finite(), octile.is_finite());
                 if found.is_finite() {
                     prop_assert!(found <= octile * 1.02 + 1e-9);

@@ -6,85 +6,115 @@
 //! shortest-path problem", J. Algorithms 21(2), 1996 (insertions). Complexity: that of the improved cells.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 
-use crate::one_to_all::{Field, NO_STEP, mean_factor};
-use crate::shape::STEP_LENGTHS;
+use crate::field::Field;
+use crate::length::{CellMap, Length, OfField, with_lengths};
+use crate::shape::{STEP_LENGTHS, Shape};
 use crate::traversability::Traversability;
 
 /// Distance and path to `goal` when `opened` (a superset of what the field was grown with) are open.
+///
+/// The field must have been grown on this map.
 #[must_use]
 pub fn reach(map: &Traversability, field: &Field, goal: u32, opened: &[usize]) -> (f64, Vec<u32>) {
     let moves = map.changed_moves(opened);
-    let offsets = field.shape.offsets();
-    let mut improved: HashMap<u32, (f64, u8)> = HashMap::new();
-    let value = |improved: &HashMap<u32, (f64, u8)>, cell: u32| {
-        improved
-            .get(&cell)
-            .map_or(field.distances[cell as usize], |entry| entry.0)
-    };
-    let mut seeds: Vec<u32> = moves
-        .keys()
-        .copied()
-        .filter(|&cell| field.distances[cell as usize].is_finite())
-        .collect();
-    seeds.sort_unstable();
-    let mut queue: BinaryHeap<Reverse<(u64, u32)>> = seeds
-        .into_iter()
-        .map(|cell| Reverse((field.distances[cell as usize].to_bits(), cell)))
-        .collect();
-    while let Some(Reverse((bits, cell))) = queue.pop() {
-        let distance = f64::from_bits(bits);
-        if distance > value(&improved, cell) {
-            continue;
+    with_lengths(
+        field,
+        Reach {
+            field,
+            moves: &moves,
+            goal,
+        },
+    )
+}
+
+struct Reach<'a> {
+    field: &'a Field,
+    /// Allowed steps in and next to the opened blockades.
+    moves: &'a CellMap<u8>,
+    goal: u32,
+}
+
+impl OfField for Reach<'_> {
+    type Answer = (f64, Vec<u32>);
+
+    fn with<L: Length>(self, lengths: &[L], edge: impl Fn(u32, u32, usize) -> L) -> Self::Answer {
+        let Self { field, moves, goal } = self;
+        let offsets = field.shape.offsets();
+        let allowed = |cell: u32| {
+            moves
+                .get(&cell)
+                .copied()
+                .unwrap_or_else(|| field.moves[cell as usize])
+        };
+        // Length and last step of the cells that have a shorter path now.
+        let mut improved: CellMap<(L, u8)> = CellMap::default();
+        let value = |improved: &CellMap<(L, u8)>, cell: u32| {
+            improved
+                .get(&cell)
+                .map_or(lengths[cell as usize], |entry| entry.0)
+        };
+        let mut queue = BinaryHeap::new();
+        for (&cell, &bits) in moves {
+            let gained = bits & !field.moves[cell as usize];
+            if gained != 0 && lengths[cell as usize] < L::FAR {
+                queue.push(Reverse((lengths[cell as usize].key(), cell)));
+            }
         }
-        if cell == goal || distance >= value(&improved, goal) {
-            break;
-        }
-        let allowed = moves
-            .get(&cell)
-            .copied()
-            .unwrap_or(map.closed_moves()[cell as usize]);
-        for (step, length) in STEP_LENGTHS.iter().enumerate() {
-            if allowed >> step & 1 == 0 {
+        while let Some(Reverse((key, cell))) = queue.pop() {
+            let length = value(&improved, cell);
+            if key > length.key() {
                 continue;
             }
-            let next = (cell as isize + offsets[step]) as u32;
-            let factor = map
-                .multiplier
-                .as_ref()
-                .map_or(1.0, |m| mean_factor(m, cell as usize, next as usize));
-            let reached = distance + length * factor;
-            if reached < value(&improved, next) {
-                improved.insert(next, (reached, step as u8));
-                queue.push(Reverse((reached.to_bits(), next)));
+            if cell == goal || length >= value(&improved, goal) {
+                break;
+            }
+            let bits = allowed(cell);
+            for (step, offset) in offsets.iter().enumerate() {
+                if bits >> step & 1 == 0 {
+                    continue;
+                }
+                let next = (cell as isize + offset) as u32;
+                let reached = length + edge(cell, next, step);
+                if reached < value(&improved, next) {
+                    improved.insert(next, (reached, step as u8));
+                    queue.push(Reverse((reached.key(), next)));
+                }
             }
         }
-    }
-    let distance = value(&improved, goal);
-    if distance.is_infinite() {
-        return (distance, Vec::new());
-    }
-    let mut path = vec![goal];
-    let mut cell = goal;
-    loop {
-        let step = improved
-            .get(&cell)
-            .map_or(field.steps[cell as usize], |entry| entry.1);
-        if step == NO_STEP {
-            break;
+        let length = value(&improved, goal);
+        let mut path = Vec::new();
+        if length < L::FAR {
+            let mut cell = goal;
+            while let Some((_, step)) = improved.get(&cell) {
+                path.push(cell);
+                cell = (cell as isize - offsets[*step as usize]) as u32;
+            }
+            path.extend(field.path_back(cell));
+            path.reverse();
         }
-        cell = (cell as isize - offsets[step as usize]) as u32;
-        path.push(cell);
+        let distance = length.in_cells();
+        (
+            distance.unwrap_or_else(|| length_of(field.shape, &path)),
+            path,
+        )
     }
-    path.reverse();
-    (distance, path)
+}
+
+/// Length of a path in cells where all of them cost the same.
+fn length_of(shape: Shape, path: &[u32]) -> f64 {
+    path.windows(2)
+        .map(|pair| {
+            let (a, b) = (shape.row_column(pair[0]), shape.row_column(pair[1]));
+            STEP_LENGTHS[if a.0 != b.0 && a.1 != b.1 { 4 } else { 0 }]
+        })
+        .sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::one_to_all::one_to_all;
     use crate::shape::{Shape, octile};
     use proptest::prelude::*;
 
@@ -106,11 +136,10 @@ mod tests {
         ) {
             let factors = weighted.then_some(factors);
             let map = Traversability::new(SHAPE, solid, &[false; 144], radius, factors, blockades);
-            let multiplier = map.multiplier.as_deref();
-            let closed = one_to_all(SHAPE, &map.moves(&[0]), multiplier, source);
-            let opened = one_to_all(SHAPE, &map.moves(&[0, 1]), multiplier, source);
+            let closed = map.field(source, &[0]);
+            let opened = map.field(source, &[0, 1]);
             let (distance, path) = reach(&map, &closed, goal, &[0, 1]);
-            let expected = opened.distances[goal as usize];
+            let expected = opened.distance(goal);
             prop_assert!(distance == expected || (distance - expected).abs() < 1e-9);
             prop_assert_eq!(path.is_empty(), expected.is_infinite());
             if !path.is_empty() {

@@ -4,10 +4,14 @@
 //! robot starts from or goes to changes only the cells around it.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
+use std::sync::Arc;
 
+use crate::field::Field;
 use crate::inflation::{inflate, inflate_cells};
+use crate::length::CellMap;
 use crate::moves::{all_moves, moves_of};
+use crate::one_to_all::one_to_all;
 use crate::shape::{STEP_LENGTHS, Shape};
 
 /// The known map as one class of robots sees it.
@@ -18,7 +22,7 @@ pub struct Traversability {
     /// Radius of the robot, in cells.
     pub radius_cells: f64,
     /// Length multiplier of each cell (at least 1), or 1 everywhere.
-    pub multiplier: Option<Vec<f32>>,
+    pub multiplier: Option<Arc<Vec<f32>>>,
     /// Cells that are solid: static obstacles, before inflation.
     solid: Vec<bool>,
     /// Cells a robot's centre may be in if there were no blockades.
@@ -28,7 +32,7 @@ pub struct Traversability {
     /// Number of stamps that cover a cell.
     stamps: Vec<u16>,
     /// Allowed steps with every blockade closed.
-    moves: Vec<u8>,
+    moves: Arc<Vec<u8>>,
 }
 
 impl Traversability {
@@ -66,11 +70,11 @@ impl Traversability {
             .zip(&stamps)
             .map(|(&open, &count)| open && count == 0)
             .collect();
-        let moves = all_moves(shape, &passable);
+        let moves = Arc::new(all_moves(shape, &passable));
         Self {
             shape,
             radius_cells,
-            multiplier,
+            multiplier: multiplier.map(Arc::new),
             solid,
             open,
             blockades,
@@ -132,21 +136,21 @@ impl Traversability {
 
     /// Allowed steps of every cell when the given blockades are opened.
     #[must_use]
-    pub fn moves(&self, opened: &[usize]) -> std::borrow::Cow<'_, [u8]> {
+    pub fn moves(&self, opened: &[usize]) -> Arc<Vec<u8>> {
         if opened.is_empty() {
-            return std::borrow::Cow::Borrowed(&self.moves);
+            return Arc::clone(&self.moves);
         }
-        let mut moves = self.moves.clone();
+        let mut moves = self.moves.to_vec();
         for (cell, bits) in self.changed_moves(opened) {
             moves[cell as usize] = bits;
         }
-        std::borrow::Cow::Owned(moves)
+        Arc::new(moves)
     }
 
     /// Allowed steps of the cells in and next to the opened blockades.
     #[must_use]
-    pub fn changed_moves(&self, opened: &[usize]) -> HashMap<u32, u8> {
-        let mut changed = HashMap::new();
+    pub fn changed_moves(&self, opened: &[usize]) -> CellMap<u8> {
+        let mut changed = CellMap::default();
         for &cell in opened
             .iter()
             .flat_map(|&blockade| &self.blockades[blockade].1)
@@ -161,10 +165,15 @@ impl Traversability {
         changed
     }
 
-    /// Allowed steps of every cell with all blockades closed.
+    /// Distances from one cell to all others when the given blockades are opened.
     #[must_use]
-    pub fn closed_moves(&self) -> &[u8] {
-        &self.moves
+    pub fn field(&self, source: u32, opened: &[usize]) -> Field {
+        one_to_all(
+            self.shape,
+            self.moves(opened),
+            self.multiplier.clone(),
+            source,
+        )
     }
 
     /// Whether the cell is solid: an obstacle, or part of a blockade that is not opened.
@@ -194,7 +203,7 @@ impl Traversability {
         if self.passable(start, opened) {
             return Some((start, 0.0));
         }
-        let mut distances = HashMap::from([(start, 0.0)]);
+        let mut distances = CellMap::from_iter([(start, 0.0)]);
         let mut queue = BinaryHeap::from([Reverse((0.0_f64.to_bits(), start))]);
         while let Some(Reverse((bits, cell))) = queue.pop() {
             let distance = f64::from_bits(bits);
