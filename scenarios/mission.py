@@ -27,6 +27,7 @@ from scenarios.mission_record import (
 )
 from scenarios.plan_listener import PlanListener
 from scenarios.progress import Listener, shown
+from scenarios.report.movie import MovieError, require_writable, write_movie
 from scenarios.report.page import write_report
 from scenarios.report.table import print_table
 from scenarios.scenario_file import ScenarioFileError, read_scenario
@@ -48,6 +49,8 @@ class RunOptions:
     json_file: Path | None = None
     report: Path | None = None
     """None for a name in `out`; a headless run writes a report only if it is named"""
+    movie: Path | None = None
+    """a film of the mission, .gif or .mp4"""
     out: Path = Path("out")
 
 
@@ -57,6 +60,11 @@ def run_and_report(scenario: Path, options: RunOptions) -> None:
     Raises:
         CommandError: the scenario cannot be run, or its mission did not complete.
     """
+    if options.movie is not None:
+        try:
+            require_writable(options.movie)
+        except MovieError as error:
+            raise CommandError(str(error)) from None
     with TemporaryDirectory(prefix="marsupial-") as scratch:
         composition = composed(scenario, options, Path(scratch))
         with shown(headless=options.headless) as listener:
@@ -70,6 +78,9 @@ def run_and_report(scenario: Path, options: RunOptions) -> None:
             name = f"{scenario.stem}-{record.strategy}-seed{record.seed}.html"
             path = write_report(options.report or options.out / name, record, composition)
             print(f"report: {path.resolve()}")
+        if options.movie is not None:
+            write_movie(options.movie, record, composition)
+            print(f"movie: {options.movie.resolve()}")
     if not record.completed:
         raise CommandError(
             f"the mission ended {record.status} with {record.targets_left} targets left"

@@ -58,6 +58,7 @@ def findings(suite: Suite, rows: Sequence[Row]) -> Findings:
 def write(found: Findings, folder: Path) -> Path:
     """Writes all files and returns the path of the HTML report."""
     _write_runs(found.rows, folder / "runs.csv")
+    _write_parquet(found.rows, folder / "runs.parquet")
     _write_comparisons(found.comparisons, folder / "comparisons.csv")
     (folder / "report.md").write_text(markdown(found), encoding="utf-8")
     path = folder / "report.html"
@@ -248,6 +249,16 @@ def _write_runs(rows: Sequence[Row], path: Path) -> None:
         writer = csv.DictWriter(file, names)
         writer.writeheader()
         writer.writerows(rows)
+
+
+def _write_parquet(rows: Sequence[Row], path: Path) -> None:
+    """The same table for those who have `marsupial[results]`; the CSV file needs nothing."""
+    try:
+        from pyarrow import Table, parquet
+    except ImportError:
+        return
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    parquet.write_table(Table.from_pylist([{n: row.get(n) for n in names} for row in rows]), path)
 
 
 def _write_comparisons(comparisons: Sequence[Comparison], path: Path) -> None:

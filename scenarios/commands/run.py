@@ -14,7 +14,7 @@ def run(
     seed: Annotated[int, typer.Option(help="Draws the start poses of the fleet.")] = 1,
     strategy: Annotated[
         str | None,
-        typer.Option(help="planner or hungarian; the scenario file's if not given."),
+        typer.Option(help="planner, hungarian, auction, ...; the scenario file's if not given."),
     ] = None,
     headless: Annotated[
         bool, typer.Option("--headless", help="No progress display and no report.")
@@ -24,6 +24,10 @@ def run(
     ] = None,
     report: Annotated[
         Path | None, typer.Option(help="Write the HTML report to this file.", show_default="out/")
+    ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(help="Write a film of the mission to this file, .gif or .mp4 (by ffmpeg)."),
     ] = None,
     service: Annotated[
         str | None,
@@ -46,6 +50,7 @@ def run(
             headless=headless,
             json_file=json_file,
             report=report,
+            movie=movie,
             out=out,
         ),
     )
