@@ -1,8 +1,7 @@
 """Hierarchies of 3D maps (Wurm, section 5.3).
 
 Every node has a map of its own in a frame of its own, `T_parent_node`, so that submaps can be
-moved,
-removed and resolved independently.
+moved, removed and resolved independently.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -38,6 +37,10 @@ class ExistenceModel:
     prior: float = 0.5
     lowest: float = 0.02
     highest: float = 0.98
+    seen_through: float = 0.2
+    """A node lay open if this share of the beams towards it passed through its box."""
+    fewest_beams: int = 20
+    """Towards a node, for its absence to be noticed."""
 
 
 @dataclass(eq=False)
@@ -142,7 +145,9 @@ class MapHierarchy:
         """Adds a segmented measurement taken at `origin_m` `(3,)`, map frame; returns the nodes it
         went to.
 
-        Segments that no node takes become nodes of their own (section 5.3.3).
+        Segments that no node takes become nodes of their own (section 5.3.3). Nodes that nothing
+        went to although beams passed through where they should be become less likely, and are
+        removed when it is more likely that they are gone.
         """
         touched: list[MapNode] = []
         for segment in segments:
@@ -152,7 +157,28 @@ class MapHierarchy:
             node.integrate(segment.points_m, origin_m, margin_m=3 * node.map.resolution_m)
             self._observe(node, self.existence_model.confirmed)
             touched.append(node)
+        if segments:
+            points_m = np.concatenate([segment.points_m for segment in segments])
+            for node in list(self.nodes()):
+                if node not in touched and self._lies_open(node, points_m, origin_m):
+                    self.miss(node)
         return touched
+
+    def _lies_open(self, node: MapNode, points_m: NDArray[np.floating], origin_m: Array) -> bool:
+        """Whether beams passed through a node's box that would have met what it models."""
+        box = node.box()
+        if box is None:
+            return False
+        # Surfaces that the node stands on or leans against touch its box: only its core counts.
+        core = OrientedBox(box.centre_m, box.axes, 0.8 * box.half_extents_m)
+        enter, leave = core.clip(origin_m, points_m)
+        towards = (enter <= leave) & (leave > 0)
+        through = towards & (leave < 1)
+        model = self.existence_model
+        return bool(
+            towards.sum() >= model.fewest_beams
+            and through.sum() >= model.seen_through * towards.sum()
+        )
 
     def add(self, segment: Segment) -> MapNode:
         """A new node for a segment, framed by its principal axes, below its deepest ancestor (eq.

@@ -108,3 +108,26 @@ def test_relations_that_hold_at_once_are_refused() -> None:
     hierarchy.update([plate("room", (0, 0, 0), 4.0)], ORIGIN_M)
     with pytest.raises(NotExclusiveError, match="contains and supports"):
         hierarchy.update([plate("cup", (0, 0, 1), 0.1)], ORIGIN_M)
+
+
+def wall_behind(hidden: bool) -> Segment:
+    """End points of beams from `VIEW_M` past the cup's place: to a wall behind, or to a screen."""
+    y, z = np.meshgrid(np.linspace(-0.5, 0.5, 41), np.linspace(0.5, 1.1, 41))
+    x = np.full(y.size, -0.2 if hidden else 2.0)
+    return Segment("room", np.stack([x, y.ravel(), z.ravel()], axis=1).astype(np.float32))
+
+
+VIEW_M = np.array([-2.0, 0.0, 0.8])
+
+
+@pytest.mark.parametrize("hidden", [True, False])
+def test_what_beams_pass_through_is_removed_and_what_they_do_not_reach_stays(hidden: bool) -> None:
+    hierarchy = MapHierarchy({"contains": contains}, RESOLUTIONS_M, by_label)
+    y, z = np.meshgrid(np.linspace(-0.1, 0.1, 15), np.linspace(0.7, 0.9, 15))
+    front = np.stack([0.02 * y.ravel() ** 2, y.ravel(), z.ravel()], axis=1)
+    cup = Segment("cup", np.concatenate([front, front + [0.1, 0, 0]]).astype(np.float32))
+    hierarchy.update([wall_behind(hidden=False), cup], VIEW_M)
+    for _ in range(3):
+        hierarchy.update([wall_behind(hidden)], VIEW_M)
+    labels = [node.label for node in hierarchy.nodes()]
+    assert labels == (["room", "cup"] if hidden else ["room"])
