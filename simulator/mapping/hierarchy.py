@@ -85,15 +85,20 @@ class MapNode:
         centre = pose[:3, :3] @ ((low + high) / 2) + pose[:3, 3]
         return OrientedBox(centre, pose[:3, :3], (high - low) / 2)
 
+    def cover(self, local_m: Array) -> tuple[Array, Array]:
+        """Grows the node's extent over points `(n, 3)` of its frame; returns its corners."""
+        low, high = local_m.min(axis=0), local_m.max(axis=0)
+        if self._extent_m is not None:
+            low, high = np.minimum(low, self._extent_m[0]), np.maximum(high, self._extent_m[1])
+        self._extent_m = (low, high)
+        return low, high
+
     def integrate(self, points_m: NDArray[np.floating], origin_m: Array, margin_m: float) -> None:
         """Adds beams that end in the node (eq. 5.23), cut at its box: free space beyond is not its
         business."""
         local = self.to_node(points_m)
         origin = self.to_node(origin_m[None])[0]
-        low, high = local.min(axis=0), local.max(axis=0)
-        if self._extent_m is not None:
-            low, high = np.minimum(low, self._extent_m[0]), np.maximum(high, self._extent_m[1])
-        self._extent_m = (low, high)
+        low, high = self.cover(local)
         self.map.insert_scan(origin, local, bounds_m=(low - margin_m, high + margin_m))
 
 
@@ -132,6 +137,9 @@ class MapHierarchy:
         self.existence_model = existence_model or ExistenceModel()
         self.roots: list[MapNode] = []
         self._next_id = 0
+
+    def __contains__(self, node: MapNode) -> bool:
+        return any(node is other for other in self.nodes())
 
     def nodes(self) -> Iterator[MapNode]:
         """All nodes, parents before children, in the order of their ids among siblings."""
@@ -220,6 +228,27 @@ class MapHierarchy:
         """Moves a node, and all below it, by a transform `(4, 4)` in its own frame (section
         5.3.3)."""
         node.T_parent_node = node.T_parent_node @ transform
+
+    def merge(self, node: MapNode, other: MapNode) -> None:
+        """Takes what another node models into a node, where that knows nothing, and removes it.
+
+        For structures that were first seen in parts.
+        """
+        centres, log_odds = other.map.known_voxels()
+        pose = other.T_map_node
+        local = node.to_node(centres @ pose[:3, :3].T + pose[:3, 3])
+        new = np.isnan(node.map.log_odds(local))
+        node.map.set_log_odds(local[new], log_odds[new])
+        surface = local[log_odds >= 0]
+        if len(surface):
+            node.cover(surface)
+        node.existence = max(node.existence, other.existence)
+        for child in list(other.children):
+            child.T_parent_node = np.linalg.inv(node.T_map_node) @ child.T_map_node
+            child.parent = node
+            node.children.append(child)
+        other.children.clear()
+        self.remove(other)
 
     def miss(self, node: MapNode) -> bool:
         """Counts a measurement that should have seen the node and did not; True if the node is

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -34,6 +35,8 @@ class TabletopParameters:
     """How far from horizontal a table may be."""
     smallest_table: int = 2000
     """Points a table has at least."""
+    smallest_interior: int = 20
+    """Cells of 0.05 m that a table has with all four neighbours: bands across walls have none."""
     ransac_trials: int = 300
     cluster_distance_m: float = 0.01
     """Points nearer than this belong to the same object."""
@@ -66,9 +69,11 @@ def segment(points_m: Points, parameters: TabletopParameters, seed: int = 0) -> 
     remaining = np.ones(len(points_m), dtype=bool)
     tables: list[Segment] = []
     objects: list[Segment] = []
+    may_be_table = remaining.copy()
     while True:
         candidates = np.flatnonzero(
             remaining
+            & may_be_table
             & (points_m[:, 2] > parameters.lowest_m)
             & (points_m[:, 2] < parameters.highest_m)
         )
@@ -76,10 +81,16 @@ def segment(points_m: Points, parameters: TabletopParameters, seed: int = 0) -> 
         if plane is None:
             break
         height_m = plane.height_m(points_m)
-        surface = np.flatnonzero(remaining & (np.abs(height_m) <= parameters.plane_tolerance_m))
-        surface = surface[_largest_patch(points_m[surface])]
+        surface = np.flatnonzero(
+            remaining & may_be_table & (np.abs(height_m) <= parameters.plane_tolerance_m)
+        )
+        patch, interior = _largest_patch(points_m[surface])
+        surface = surface[patch]
         if len(surface) < parameters.smallest_table:
             break
+        if interior < parameters.smallest_interior:
+            may_be_table[surface] = False
+            continue
         remaining[surface] = False
         tables.append(Segment("table", points_m[surface]))
         above = np.flatnonzero(
@@ -156,17 +167,22 @@ def clusters(points_m: Points, distance_m: float) -> list[NDArray[np.int64]]:
     return sorted(parts, key=len, reverse=True)
 
 
-def _largest_patch(points_m: Points, cell_m: float = 0.05) -> NDArray[np.int64]:
-    """Indices of the largest connected patch of a surface, seen on a grid of `cell_m`."""
+def _largest_patch(points_m: Points, cell_m: float = 0.05) -> tuple[NDArray[np.int64], int]:
+    """Indices of the largest connected patch of a surface, seen on a grid of `cell_m`, and how many
+    of its cells have all four neighbours."""
     if len(points_m) == 0:
-        return np.empty(0, dtype=np.int64)
+        return np.empty(0, dtype=np.int64), 0
     cells, inverse = np.unique(
         np.floor(points_m[:, :2] / cell_m).astype(np.int64), axis=0, return_inverse=True
     )
     patches = clusters(cells.astype(np.float32), 1.5)
     sizes = np.bincount(inverse, minlength=len(cells))
     largest = max(patches, key=lambda patch: int(sizes[patch].sum()))
-    return np.flatnonzero(np.isin(inverse, largest))
+    patch = cells[largest] - cells[largest].min(axis=0) + 1
+    covered = np.zeros(patch.max(axis=0) + 2, dtype=bool)
+    covered[patch[:, 0], patch[:, 1]] = True
+    interior = binary_erosion(covered)
+    return np.flatnonzero(np.isin(inverse, largest)), int(interior.sum())
 
 
 def _over(surface_m: Points, points_m: Points, reach_m: float = 0.05) -> NDArray[np.bool_]:
@@ -215,6 +231,23 @@ def associate(hierarchy: MapHierarchy, part: Segment) -> MapNode | None:
         key=lambda node: float(np.linalg.norm(node.T_map_node[:3, 3] - centre)),
         default=None,
     )
+
+
+def merge_parts(hierarchy: MapHierarchy) -> None:
+    """Makes one node of objects that turned out to be one: the centre of one's box lies in the
+    other's.
+
+    A cup seen from above one side shows its front and, behind a gap, the inside of its back.
+    """
+    objects = [
+        (node, box) for node in hierarchy.nodes() if node.label == "object" and (box := node.box())
+    ]
+    objects.sort(key=lambda part: -float(np.prod(part[1].half_extents_m)))
+    for number, (node, box) in enumerate(objects):
+        for other, smaller in objects[number + 1 :]:
+            gone = node not in hierarchy or other not in hierarchy
+            if not gone and box.contains(smaller.centre_m[None])[0]:
+                hierarchy.merge(node, other)
 
 
 def tabletop_hierarchy(

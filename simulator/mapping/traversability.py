@@ -53,8 +53,8 @@ def traversability(
     """Where a robot of some height finds its way: 0 free, 100 an obstacle, -1 not known.
 
     A column is an obstacle if any voxel between `step_m` and `height_m` above the floor is
-    occupied. It is free if there is none and the map knows what is at its foot: the floor itself, or
-    the space right above it. Unknown space higher up does not close a column.
+    occupied. It is free if there is none and the map knows what is at its foot: the floor itself,
+    or the space right above it. Unknown space higher up does not close a column.
     """
     floor_m, foot_m = passage.floor_m, passage.floor_m + passage.step_m
     head_m = passage.floor_m + passage.height_m
@@ -70,4 +70,6 @@ def traversability(
 
 def _grid(cells: NDArray[np.int8], octree: OctreeMap, columns: Columns) -> OccupancyGrid:
     x, y = columns[0]
-    return OccupancyGrid(cells, octree.resolution_m, (x * octree.resolution_m, y * octree.resolution_m))
+    return OccupancyGrid(
+        cells, octree.resolution_m, (x * octree.resolution_m, y * octree.resolution_m)
+    )

@@ -125,7 +125,7 @@ def test_what_beams_pass_through_is_removed_and_what_they_do_not_reach_stays(hid
     hierarchy = MapHierarchy({"contains": contains}, RESOLUTIONS_M, by_label)
     y, z = np.meshgrid(np.linspace(-0.1, 0.1, 15), np.linspace(0.7, 0.9, 15))
     front = np.stack([0.02 * y.ravel() ** 2, y.ravel(), z.ravel()], axis=1)
-    cup = Segment("cup", np.concatenate([front, front + [0.1, 0, 0]]).astype(np.float32))
+    cup = Segment("cup", np.concatenate([front, front + np.array([0.1, 0, 0])]).astype(np.float32))
     hierarchy.update([wall_behind(hidden=False), cup], VIEW_M)
     for _ in range(3):
         hierarchy.update([wall_behind(hidden)], VIEW_M)

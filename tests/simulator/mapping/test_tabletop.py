@@ -62,7 +62,7 @@ def overlap(found: Segment, truth: NDArray[np.bool_], tree: cKDTree) -> float:
 @pytest.mark.parametrize(
     ("name", "structures"),
     [
-        # Labels of what stands on the table; what is stacked is one structure to a geometric method.
+        # Labels of what stands on the table; a stack is one structure to a geometric method.
         ("test3", [{20}, {30}]),
         ("test12", [{20}, {30}, {40}]),
         ("test16", [{20, 30, 40}]),
