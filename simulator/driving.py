@@ -18,6 +18,11 @@ _GAP_M = 0.03
 _STAND_OFF_M = 0.25
 """its distance to a robot straight ahead, which leaves that one room to turn aside"""
 _WALL_GAP_M = 0.005
+_PATIENCE_S = 0.5
+"""how long a robot that the guard holds insists on its course before it turns aside"""
+_LONGEST_HELD_S = 2.0
+_RELIEF = 2.0
+"""how much faster than that it forgets, once it drives"""
 _AHEAD_S = 0.5
 """how far ahead of its plan a robot that gives way steers"""
 
@@ -37,16 +42,22 @@ class Driving:
         for i, robot in enumerate(present):
             wish = None if robot.is_immovable(time_s) else self._wish(robot, time_s)
             if wish is None:
-                robot.stalled_s = 0.0
+                robot.stalled_s = robot.held_s = 0.0
                 self.world.drive(robot.id, (0.0, 0.0), 0.0)
                 continue
             towards, limit_m_s = wish
+            if robot.held_s > _PATIENCE_S:
+                towards = self._past(robot, towards, near[i])
             speed, turn = steer(robot, towards, limit_m_s, step_s)
             course = robot.heading_rad + 0.5 * turn * step_s
             direction = (math.cos(course), math.sin(course))
             speed *= self._safe_share(robot, direction, speed * step_s, near[i], ahead)
             velocity = (speed * direction[0], speed * direction[1])
             ahead[robot.id] = (robot.x + velocity[0] * step_s, robot.y + velocity[1] * step_s)
+            if speed > 0.0:
+                robot.held_s = max(0.0, robot.held_s - _RELIEF * step_s)
+            else:
+                robot.held_s = min(_LONGEST_HELD_S, robot.held_s + step_s)
             moves = speed > 0.02 * robot.kind.speed_m_s or abs(turn) > 0.2
             robot.stalled_s = 0.0 if moves else robot.stalled_s + step_s
             self.world.drive(robot.id, velocity, turn)
@@ -92,6 +103,32 @@ class Driving:
         if not free or floor.clearance(*robot.position, limit_m) >= limit_m:
             return None
         return max(free, key=lambda place: floor.clearance(place[0], place[1], limit_m))
+
+    @staticmethod
+    def _past(robot: Robot, towards: Point, near: Sequence[Robot]) -> Point:
+        """Where to steer to get past a robot that stands close by in the way: along its side.
+
+        Of two that meet head-on each turns to its right. The course leads a little away from the
+        other one, so that the guard lets it pass.
+        """
+        wish = (towards[0] - robot.x, towards[1] - robot.y)
+        other = min(near, key=lambda o: math.dist(o.position, robot.position), default=None)
+        if other is None:
+            return towards
+        to = (other.x - robot.x, other.y - robot.y)
+        far_m = math.hypot(*to)
+        reach_m = robot.kind.radius_m + other.kind.radius_m + _STAND_OFF_M + 0.05
+        along = (wish[0] * to[0] + wish[1] * to[1]) / max(far_m * math.hypot(*wish), 1e-9)
+        if far_m > reach_m or along <= 0.0:
+            return towards
+        ahead = (to[0] / far_m, to[1] / far_m)
+        side = (ahead[1], -ahead[0])
+        if along < 0.9 and wish[0] * side[0] + wish[1] * side[1] < 0.0:
+            side = (-side[0], -side[1])
+        return (
+            robot.x + 0.3 * (side[0] - 0.15 * ahead[0]),
+            robot.y + 0.3 * (side[1] - 0.15 * ahead[1]),
+        )
 
     def _safe_share(
         self,

@@ -43,6 +43,8 @@ class Robot:
     """since when it has stood still because there is no way to its goals"""
     stalled_s: float = 0.0
     """how long it has wanted to move and could not"""
+    held_s: float = 0.0
+    """how long others have kept it from driving on; it forgets that slowly while it drives"""
     driven_m: float = 0.0
 
     @property
