@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -63,6 +63,10 @@ class RobotTypeSection(_Section):
     radius_m: Annotated[float, Field(gt=0)] = 0.3
     speed_m_s: Annotated[float, Field(gt=0)] = 1.0
     turn_rate_rad_s: Annotated[float, Field(gt=0)] = 2.0
+    """of a differential drive, which turns on the spot"""
+    drive: Literal["differential", "ackermann"] = "differential"
+    turning_radius_m: Annotated[float, Field(gt=0)] = 0.8
+    """least radius of an Ackermann drive"""
     sensor_range_m: Annotated[float, Field(gt=0)] = 5.0
     beams: Annotated[int, Field(ge=8)] = 180
     enters: tuple[str, ...] = ("default",)

@@ -46,19 +46,22 @@ class Driving:
                 self.world.drive(robot.id, (0.0, 0.0), 0.0)
                 continue
             towards, limit_m_s = wish
-            if robot.held_s > _PATIENCE_S:
+            if robot.held_s > _PATIENCE_S and robot.kind.drive != "ackermann":
                 towards = self._past(robot, towards, near[i])
             speed, turn = steer(robot, towards, limit_m_s, step_s)
             course = robot.heading_rad + 0.5 * turn * step_s
             direction = (math.cos(course), math.sin(course))
-            speed *= self._safe_share(robot, direction, speed * step_s, near[i], ahead)
+            share = self._safe_share(robot, direction, speed * step_s, near[i], ahead)
+            speed *= share
+            if robot.kind.drive == "ackermann":
+                turn *= share
             velocity = (speed * direction[0], speed * direction[1])
             ahead[robot.id] = (robot.x + velocity[0] * step_s, robot.y + velocity[1] * step_s)
-            if speed > 0.0:
+            if speed != 0.0:
                 robot.held_s = max(0.0, robot.held_s - _RELIEF * step_s)
             else:
                 robot.held_s = min(_LONGEST_HELD_S, robot.held_s + step_s)
-            moves = speed > 0.02 * robot.kind.speed_m_s or abs(turn) > 0.2
+            moves = abs(speed) > 0.02 * robot.kind.speed_m_s or abs(turn) > 0.2
             robot.stalled_s = 0.0 if moves else robot.stalled_s + step_s
             self.world.drive(robot.id, velocity, turn)
 

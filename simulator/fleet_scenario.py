@@ -16,6 +16,7 @@ Point = tuple[float, float]
 Pose = tuple[float, float, float]
 Segment = tuple[Point, Point]
 
+DRIVES = ("differential", "ackermann")
 MARGIN_M = 0.03
 """Distance that routes keep from walls, blockades and standing robots beyond a robot's radius."""
 
@@ -32,7 +33,11 @@ class RobotType:
     radius_m: float = 0.3
     speed_m_s: float = 1.0
     turn_rate_rad_s: float = 2.0
-    """Fastest turn on the spot (differential drive)."""
+    """Fastest turn on the spot of a differential drive."""
+    drive: str = "differential"
+    """One of `DRIVES`; an Ackermann drive is steered like a car and cannot turn on the spot."""
+    turning_radius_m: float = 0.8
+    """Least radius of an Ackermann drive's turns."""
     sensor_range_m: float = 5.0
     beams: int = 180
     """Beams of the laser range finder, spread evenly over the full circle."""
@@ -42,7 +47,18 @@ class RobotType:
     """How many robots it can carry."""
 
     def __post_init__(self) -> None:
-        for quantity in ("radius_m", "speed_m_s", "turn_rate_rad_s", "sensor_range_m"):
+        if self.drive not in DRIVES:
+            raise ScenarioError(
+                f"robot type {self.name!r}: drive must be one of {', '.join(DRIVES)}, "
+                f"not {self.drive!r}"
+            )
+        for quantity in (
+            "radius_m",
+            "speed_m_s",
+            "turn_rate_rad_s",
+            "turning_radius_m",
+            "sensor_range_m",
+        ):
             if not getattr(self, quantity) > 0:
                 raise ScenarioError(
                     f"robot type {self.name!r}: {quantity} must be positive, "

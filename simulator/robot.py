@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from simulator.fleet_client import Command
 from simulator.fleet_scenario import Point, Pose, RobotType
 
+_GEAR_CHANGE_S = 0.4
+"""how long a car that is held up waits before it changes gear"""
+
 TimedPoint = tuple[float, float, float]
 """Time since the mission began [s], x, y [m]."""
 
@@ -43,6 +46,10 @@ class Robot:
     """since when it has stood still because there is no way to its goals"""
     stalled_s: float = 0.0
     """how long it has wanted to move and could not"""
+    gear: int = 1
+    """of a car: 1 forwards, -1 backwards"""
+    backs_m: float = 0.0
+    """how much further a car backs away from what held it up"""
     held_s: float = 0.0
     """how long others have kept it from driving on; it forgets that slowly while it drives"""
     driven_m: float = 0.0
@@ -92,11 +99,39 @@ def wrap(angle_rad: float) -> float:
 
 
 def steer(robot: Robot, towards: Point, limit_m_s: float, step_s: float) -> tuple[float, float]:
-    """Speed [m/s] and turn rate [rad/s] of a differential drive: turn to the point, then go."""
+    """Speed [m/s], negative for driving backwards, and turn rate [rad/s] towards a point."""
+    bearing = math.atan2(towards[1] - robot.y, towards[0] - robot.x)
+    error = wrap(bearing - robot.heading_rad)
+    if robot.kind.drive == "ackermann":
+        return _steer_like_a_car(robot, error, limit_m_s, step_s)
     kind = robot.kind
-    error = wrap(math.atan2(towards[1] - robot.y, towards[0] - robot.x) - robot.heading_rad)
     turn = max(-kind.turn_rate_rad_s, min(kind.turn_rate_rad_s, error / (3.0 * step_s)))
     if abs(error) > 0.7:
         return 0.0, turn
     speed = min(kind.speed_m_s * math.cos(error) ** 2, limit_m_s)
     return speed, turn
+
+
+def _steer_like_a_car(
+    robot: Robot, error: float, limit_m_s: float, step_s: float
+) -> tuple[float, float]:
+    """A car turns only as it drives: round a wide corner forwards, in a tight one by backing up.
+
+    It backs up while the point lies far off its course, and changes gear whenever it is held up, so
+    that it turns round in several moves where there is no room for one. Backing away from what held
+    it up it turns to its right: two that meet head-on then pass one another.
+    """
+    if robot.held_s > _GEAR_CHANGE_S:
+        robot.gear, robot.held_s = -robot.gear, 0.0
+        robot.backs_m = robot.kind.turning_radius_m if robot.gear < 0 else 0.0
+    elif robot.gear > 0 and abs(error) > 1.0:
+        robot.gear = -1
+    elif robot.gear < 0 and robot.backs_m <= 0.0 and abs(error) < 0.3:
+        robot.gear = 1
+    fast_m_s = robot.kind.speed_m_s * (max(0.3, math.cos(error) ** 2) if robot.gear > 0 else 0.4)
+    speed = robot.gear * min(fast_m_s, max(limit_m_s, 0.1))
+    most = abs(speed) / robot.kind.turning_radius_m
+    if robot.gear < 0 and robot.backs_m > 0.0:
+        robot.backs_m += speed * step_s
+        return speed, -most
+    return speed, max(-most, min(most, error / (3.0 * step_s)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from simulator.driving import Driving
-from simulator.fleet_scenario import Point
+from simulator.fleet_scenario import Point, RobotType
 from simulator.navigation import Navigation
 from simulator.occupancy_grid import read_map_server
 from simulator.right_of_way import RightOfWay
@@ -28,15 +28,17 @@ STEP_S = 0.05
 class Hall:
     """Robots in a hall of 14 x 3 m, each on its way to a goal."""
 
-    def __init__(self, folder: Path, starts: list[Point], goals: list[Point]) -> None:
+    def __init__(
+        self, folder: Path, starts: list[Point], goals: list[Point], kind: RobotType = EXPLORER
+    ) -> None:
         grid = read_map_server(write_floor(folder, HALL))
         self.world, navigation = World(grid, ()), Navigation(grid)
         self.right_of_way = RightOfWay(navigation)
         self.driving = Driving(self.world, navigation)
         self.robots = [
-            Robot(f"robot_{k}", EXPLORER, *start, heading_rad=2.0 * k)
-            for k, start in enumerate(starts)
+            Robot(f"robot_{k}", kind, *start, heading_rad=2.0 * k) for k, start in enumerate(starts)
         ]
+        self.tracks: list[list[tuple[float, float, float]]] = [[] for _ in self.robots]
         for robot, goal in zip(self.robots, goals, strict=True):
             self.world.place(robot.id, robot.kind.radius_m, robot.pose)
             robot.goals = [goal]
@@ -50,7 +52,8 @@ class Hall:
                 self.right_of_way.update(self.robots, time_s)
             self.driving.drive(self.robots, time_s, STEP_S)
             self.world.step(STEP_S)
-            for robot in self.robots:
+            for robot, track in zip(self.robots, self.tracks, strict=True):
+                track.append(robot.pose)
                 robot.x, robot.y, robot.heading_rad = self.world.pose(robot.id)
                 if math.dist(robot.position, robot.goals[0]) < 0.3:
                     robot.route, robot.timed = [], []
@@ -93,4 +96,29 @@ def test_six_change_sides(tmp_path: Path, seed: int) -> None:
     goals += [tuple(left[k]) for k in random.permutation(3)]
     hall = Hall(tmp_path, [*left, *right], goals)
     assert hall.drive(120.0) is not None
+    assert hall.world.contacts.robot == hall.world.contacts.wall == 0
+
+
+CAR = RobotType("car", beams=72, drive="ackermann", turning_radius_m=0.9)
+
+
+@pytest.mark.parametrize("goal", [(12.0, 2.5), (1.6, 2.5), (6.0, 3.4), (5.0, 1.6)])
+def test_a_car_arrives_and_never_turns_tighter_than_it_can(tmp_path: Path, goal: Point) -> None:
+    hall = Hall(tmp_path, [(6.0, 2.5)], [goal], CAR)
+    assert hall.drive(60.0) is not None
+    poses = np.array(hall.tracks[0])
+    driven_m = np.hypot(*np.diff(poses[:, :2], axis=0).T)
+    turned = np.abs(np.remainder(np.diff(poses[:, 2]) + math.pi, math.tau) - math.pi)
+    assert (turned <= driven_m / CAR.turning_radius_m + 1e-6).all()
+    assert driven_m.sum() > 0.2
+    assert hall.world.contacts.wall == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_cars_pass_one_another(tmp_path: Path, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    y = random.uniform(1.6, 3.4, size=4)
+    starts, goals = [(3.0, y[0]), (12.0, y[1])], [(12.0, y[2]), (3.0, y[3])]
+    hall = Hall(tmp_path, starts, goals, CAR)
+    assert hall.drive(90.0) is not None
     assert hall.world.contacts.robot == hall.world.contacts.wall == 0
