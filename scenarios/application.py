@@ -43,6 +43,11 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "explain": ("planner.commands.explain:explain", "PDDL files", "Explain a diagnostic code."),
     "format": ("planner.commands.format:format_files", "PDDL files", "Format PDDL files."),
     "lsp": ("planner.commands.lsp:lsp", "PDDL files", "Serve editors over stdio."),
+    "map": (
+        "scenarios.commands.maps:app",
+        "Maps",
+        "Build, look at and convert 3D occupancy maps.",
+    ),
     "serve": ("service.commands.serve:serve", "Service", "Run the coordination service over HTTP."),
     "new-key": ("service.commands.new_key:new_api_key", "Service", "Make an API key."),
 }
@@ -61,17 +66,21 @@ def application(arguments: Sequence[str]) -> typer.Typer:
     asked = next((word for word in arguments if word in COMMANDS), None)
     for name, (target, panel, line) in COMMANDS.items():
         if name == asked:
-            app.command(name, rich_help_panel=panel)(load(target))
+            loaded = load(target)
+            if isinstance(loaded, typer.Typer):
+                app.add_typer(loaded, name=name, rich_help_panel=panel)
+            else:
+                app.command(name, rich_help_panel=panel)(loaded)
         else:
             app.command(name, help=line, rich_help_panel=panel)(_not_asked)
     return app
 
 
-def load(target: str) -> Callable[..., Any]:
-    """The function `module:name`."""
+def load(target: str) -> Callable[..., Any] | typer.Typer:
+    """The function, or the group of commands, `module:name`."""
     module, _, name = target.partition(":")
-    function: Callable[..., Any] = getattr(import_module(module), name)
-    return function
+    found: Callable[..., Any] | typer.Typer = getattr(import_module(module), name)
+    return found
 
 
 def run_application(words: Sequence[str]) -> Any:

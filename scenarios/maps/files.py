@@ -57,11 +57,19 @@ def annotations_toml(placement: Placement) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_map(folder: Path, name: str, cells: NDArray[np.int8], resolution_m: float) -> Path:
+def write_map(
+    folder: Path,
+    name: str,
+    cells: NDArray[np.int8],
+    resolution_m: float,
+    origin_m: tuple[float, float] = (0.0, 0.0),
+) -> Path:
     """Writes `name.pgm` and `name.yaml` into a folder and returns the path of the YAML file."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.pgm").write_bytes(pgm(cells))
-    (folder / f"{name}.yaml").write_text(map_yaml(f"{name}.pgm", resolution_m), encoding="utf-8")
+    (folder / f"{name}.yaml").write_text(
+        map_yaml(f"{name}.pgm", resolution_m, origin_m), encoding="utf-8"
+    )
     return folder / f"{name}.yaml"
 
 

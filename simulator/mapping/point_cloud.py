@@ -38,12 +38,15 @@ class Scan:
 def read_points(path: Path | str) -> NDArray[np.float32]:
     """The points `(n, 3)` [m] of a `.pcd`, `.ply`, `.xyz`, `.txt` or `.dat` file.
 
+    Text may be packed as `.dat.bz2` or `.dat.gz`.
+
     Raises:
         PointCloudError: for another ending or a file that cannot be read.
     """
     path = Path(path)
     try:
-        match path.suffix.lower():
+        packed = path.suffix.lower() in (".bz2", ".gz")
+        match Path(path.stem if packed else path.name).suffix.lower():
             case ".pcd":
                 points = PointCloud.from_path(path).numpy(("x", "y", "z"))
             case ".ply":
