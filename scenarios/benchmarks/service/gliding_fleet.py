@@ -8,6 +8,7 @@ import base64
 import random
 import zlib
 from dataclasses import dataclass, field
+from functools import cache
 from math import hypot
 from typing import Any
 
@@ -19,6 +20,7 @@ BLOCKADE_EVERY_S = 15.0
 Point = tuple[float, float]
 
 
+@cache
 def map_message() -> dict[str, Any]:
     """A floor of square rooms, each with doors to its neighbours."""
     cells = bytearray(WIDTH * HEIGHT)
@@ -77,11 +79,12 @@ class GlidingFleet:
             row * room_m + self._random.uniform(2.0, room_m - 2.0),
         )
 
-    def mission(self, name: str) -> dict[str, Any]:
+    def mission(self, name: str, fleet: str) -> dict[str, Any]:
         """The body that creates the mission."""
         kind = {"radius_m": 0.3, "speed_m_s": 1.0, "sensor_range_m": 5.0}
         return {
             "name": name,
+            "fleet": fleet,
             "domain": "disaster",
             "map": map_message(),
             "robot_types": {"explorer": kind, "clearer": kind},
