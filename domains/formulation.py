@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
 
 from domains.mission_state import Activity, MeetingPoint, MissionState, RobotState, Target
@@ -21,6 +22,14 @@ from semantic_attachments.world import Blockade, GridMap, Location, RobotModel, 
 
 PathCost = Callable[[str, str, str], float]
 """(robot, from, to) -> seconds, all PDDL names; infinite where there is no way."""
+
+
+def reachable(cost: PathCost, robot: str, starts: Iterable[str], goals: Iterable[str]) -> set[str]:
+    """The goals that a robot can reach from one of the starts, all PDDL names; asked at once."""
+    calls = [(robot, start, goal) for goal in goals for start in starts]
+    many = getattr(cost, "many", None)
+    times_s = [cost(*call) for call in calls] if many is None else many(calls)
+    return {call[2] for call, time_s in zip(calls, times_s, strict=True) if isfinite(time_s)}
 
 
 class OrderKind(StrEnum):

@@ -23,6 +23,8 @@ from semantic_attachments.world import RobotModel, World
 def path_costs(world: World, memory: Memory) -> PathCosts:
     """The path costs of a world, taking over from the memory what the change left valid."""
     kept = memory.get("grid", PathCosts)
+    if kept is not None and kept.world is world:
+        return kept
     costs = PathCosts(world) if kept is None else kept.after(world)
     memory.keep("grid", costs)
     return costs

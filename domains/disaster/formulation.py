@@ -1,10 +1,9 @@
 """Disaster recovery as a planning problem (Wurm, section 3.5.2)."""
 
 from collections.abc import Iterable, Sequence
-from math import isfinite
 from pathlib import Path
 
-from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of
+from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of, reachable
 from domains.geometry_text import write_location, write_robot
 from domains.mission_state import Activity, MissionState
 from domains.naming import Names
@@ -81,11 +80,11 @@ class DisasterFormulation(Formulation):
             changed = False
             for robot in team:
                 been = reached[robot.id]
-                sources = [place for place in been if place not in blockades or place in cleared]
-                for goal in sorted((goals | blockades) - been):
-                    if any(isfinite(cost(names.name(robot.id), place, goal)) for place in sources):
-                        been.add(goal)
-                        changed = True
+                sources = sorted(been - (blockades - cleared))
+                left = sorted((goals | blockades) - been)
+                if found := reachable(cost, names.name(robot.id), sources, left):
+                    been |= found
+                    changed = True
                 if robot.type == "clearer":
                     cleared |= been & blockades
         visited = set().union(*(reached[r.id] & goals for r in team if r.type == "explorer"), set())

@@ -2,10 +2,9 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from math import isfinite
 from pathlib import Path
 
-from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of
+from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of, reachable
 from domains.geometry_text import write_location, write_robot
 from domains.mission_state import Activity, MissionState, PositionM, RobotState
 from domains.naming import Names
@@ -96,14 +95,8 @@ class MarsupialFormulation(Formulation):
             changed = False
             for robot in team:
                 been = reached[robot.id]
-                arrivals = {
-                    goal
-                    for goal in (*goals, *meetings)
-                    if goal not in been
-                    and any(
-                        isfinite(cost(names.name(robot.id), place, goal)) for place in sorted(been)
-                    )
-                }
+                left = [goal for goal in (*goals, *meetings) if goal not in been]
+                arrivals = reachable(cost, names.name(robot.id), sorted(been), left)
                 if robot.type == "rover":
                     arrivals |= self._carried(robot, team, reached, set(meetings)) - been
                 changed |= bool(arrivals)

@@ -9,7 +9,6 @@ from semantic_attachments.contract import Memory
 from service.coordination import dispatch
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.jobs.executor import Tell
-from service.messages.mission import PlanningMessage
 
 LOG = logging.getLogger(__name__)
 SEARCHES = 3
@@ -81,12 +80,18 @@ LEAST_TIME_LIMIT_S = 0.05
 """Below this a replan finds too little to be worth its formulation."""
 
 
-def within_load(planning: PlanningMessage, load: float) -> PlanningMessage:
-    """The effort of a replan when others wait for theirs: the time is shared.
+def shared(situation: Situation, share_s: float) -> Situation:
+    """A decision's effort where many missions want theirs.
 
     A mission with a node limit is to be repeatable and keeps its effort.
+
+    Args:
+        share_s: time for each decision.
     """
-    if planning.node_limit is not None or load < 1.0:
-        return planning
-    shared_s = max(LEAST_TIME_LIMIT_S, planning.time_limit_s / (1.0 + load))
-    return planning.model_copy(update={"time_limit_s": min(planning.time_limit_s, shared_s)})
+    planning = situation.planning
+    if planning.node_limit is not None or planning.time_limit_s <= share_s:
+        return situation
+    limit_s = min(planning.time_limit_s, max(LEAST_TIME_LIMIT_S, share_s))
+    return replace(
+        situation, hurried=True, planning=planning.model_copy(update={"time_limit_s": limit_s})
+    )

@@ -28,7 +28,7 @@ class Order:
 
 def orders(proposal: Proposal, situation: Situation, memory: Memory) -> dict[str, Order]:
     """The proposal's orders with the paths that the robots shall drive."""
-    travel = Travel(situation, memory)
+    travel = Travel.of(situation, memory)
     return {
         assignment.robot: Order(
             _from_here(assignment, travel),

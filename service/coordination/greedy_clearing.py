@@ -30,7 +30,7 @@ class GreedyClearing:
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """A plan for the explorers, then an order for each clearer."""
         clearers = free(situation, "clearer")
-        travel = Travel(situation, memory)
+        travel = Travel.of(situation, memory)
         clearing = clear_nearest(
             situation, travel, clearers, being_cleared(situation), by_hungarian_method
         )

@@ -5,6 +5,7 @@ more than its log.
 """
 
 import asyncio
+from collections import deque
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 
@@ -12,6 +13,9 @@ from service.coordination.events import Event, MissionClosed, TerminalStatus
 from service.coordination.history import apply, rebuilt
 from service.coordination.mission import Mission
 from service.coordination.ports import EventLog, StoreError
+
+LATEST_KEPT = 32
+"""Events of a mission that are kept for its listeners."""
 
 
 class Ledger:
@@ -23,6 +27,7 @@ class Ledger:
         self._lock = asyncio.Lock()
         self._in_doubt = False
         self._news = asyncio.Event()
+        self._latest: deque[tuple[int, Event]] = deque(maxlen=LATEST_KEPT)
 
     @asynccontextmanager
     async def locked(self) -> AsyncIterator[Mission]:
@@ -30,6 +35,7 @@ class Ledger:
         async with self._lock:
             if self._in_doubt:
                 self.mission = await asyncio.to_thread(rebuilt, self._log.events(self.mission.id))
+                self._latest.clear()  # a commit in doubt may be missing there
                 self._in_doubt = False
             yield self.mission
 
@@ -46,9 +52,19 @@ class Ledger:
             self._in_doubt = True
             raise
         for event in events:
+            self._latest.append((self.mission.events, event))
             apply(self.mission, event)
         self._news.set()
         self._news = asyncio.Event()
+
+    def latest(self, first_number: int) -> list[tuple[int, Event]]:
+        """The events from `first_number` on with their numbers; empty if they are not at hand.
+
+        Listeners that keep up need no database.
+        """
+        if not self._latest or first_number < self._latest[0][0]:
+            return []
+        return [(number, event) for number, event in self._latest if number >= first_number]
 
     async def close(self, status: TerminalStatus, reason: str) -> None:
         """Ends the mission; to be called under the lock."""

@@ -31,7 +31,7 @@ class OneStepDisaster:
 
     def propose(self, situation: Situation, memory: Memory) -> Proposal:
         """Explorers to targets, then clearers to blockades, independent of each other."""
-        travel = Travel(situation, memory)
+        travel = Travel.of(situation, memory)
         assignments = [
             *self._explorers(situation, travel, memory),
             *self._clearers(situation, travel),

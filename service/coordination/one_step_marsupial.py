@@ -55,7 +55,7 @@ class _Team:
         state = situation.state
         self.baseline = baseline
         self.situation = situation
-        self.travel = Travel(situation, memory)
+        self.travel = Travel.of(situation, memory)
         self.targets = [target.id for target in state.targets]
         self.meetings = [meeting.id for meeting in state.meeting_points]
         self.carriers = [

@@ -91,6 +91,6 @@ class Planners(Protocol):
         ...
 
     @property
-    def load(self) -> float:
-        """Decisions under way or waiting, for each worker."""
+    def share_s(self) -> float:
+        """Time for each decision so that all missions get theirs soon [s]."""
         ...

@@ -10,11 +10,11 @@ import logging
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from semantic_attachments.world import RobotModel
 from service.coordination import dispatch
-from service.coordination.deliberation import Decided, Deliberation, within_load
+from service.coordination.deliberation import Decided, Deliberation, shared
 from service.coordination.events import OrdersIssued, PlanKept, PlanningFailed
 from service.coordination.ledger import Ledger
 from service.coordination.meeting_points import meeting_points
@@ -132,7 +132,7 @@ class Replanning:
             snapshot = situation(mission, self._models, self._meeting_points, trigger)
             events = mission.events
         self.looked_at_s = snapshot.state.time_s
-        snapshot = replace(snapshot, planning=within_load(snapshot.planning, self._planners.load))
+        snapshot = shared(snapshot, self._planners.share_s)
         return await self._decide(snapshot, events)
 
     async def _decide(self, snapshot: Situation, events: int) -> str:

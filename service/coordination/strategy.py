@@ -34,6 +34,8 @@ class Situation:
     """The facts that ask for a decision, for the log."""
     domain_text: str | None = None
     """The PDDL to plan with; None for that of the formulation's folder."""
+    hurried: bool = False
+    """Others wait for the planners: what needs no search is decided without one."""
     version: int = 0
     """Changes whenever the grid does."""
     in_force: tuple[PlanStep, ...] = ()

@@ -28,6 +28,8 @@ from service.messages.plan import PlanStep
 
 LOG = logging.getLogger(__name__)
 AT_WORK = (Activity.CLEARING, Activity.DOCKING, Activity.UNDOCKING)
+LAG_TOLERATED = 0.1
+"""Part of the time left by which a team may be late that goes on without a new search."""
 PRIORITY_SLACK = 1.05
 """A plan for everything may visit urgent targets this much later than a plan for them alone."""
 
@@ -79,7 +81,7 @@ class Planning:
         text = situation.domain_text
         domain = planner.read_domain(formulation.domain_path if text is None else text.encode())
         state = situation.state
-        world = formulation.world(state, situation.grid, situation.models, situation.version)
+        world = Travel.of(situation, memory).world
         names = formulation.names(state)
         needed = [*formulation.attachments]
         known = {name.lower() for name in needed}
@@ -101,6 +103,8 @@ class Planning:
         unreachable = frozenset(target.id for target in state.targets) - goals
         if not goals:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
+        if self.situation.hurried and (kept := self._kept(None, goals)) is not None:
+            return kept
         plan, how = self._plan(goals)
         kept = self._kept(plan, goals)
         if kept is not None:
@@ -197,8 +201,11 @@ class Planning:
         left = remainder(self.formulation, situation.state, situation.in_force, situation.done)
         return from_here(left, self.formulation, situation.state)
 
-    def _kept(self, plan: planner.Plan, goals: Collection[str]) -> Proposal | None:
-        """The next orders of the plan in force, if that is nearly as good as `plan`."""
+    def _kept(self, plan: planner.Plan | None, goals: Collection[str]) -> Proposal | None:
+        """The next orders of the plan in force, if that is nearly as good as `plan`.
+
+        Without a plan to compare with: if it goes on nearly as it was planned.
+        """
         situation, state = self.situation, self.situation.state
         if not situation.in_force:
             return None
@@ -211,12 +218,17 @@ class Planning:
         if not isfinite(lag_s):
             return None
         left_s = left.plan.makespan + lag_s
-        if plan.makespan < left_s * (1.0 - situation.planning.margin):
+        if plan is None:
+            if lag_s > left_s * LAG_TOLERATED:
+                return None
+            compared = "others wait for the planners"
+        elif plan.makespan < left_s * (1.0 - situation.planning.margin):
             return None
+        else:
+            compared = f"a new one would take {plan.makespan:.1f} s"
         return Proposal(
             assignments=tuple(self._with_idle_clearers(assignments)),
-            reason=f"the plan in force goes on with {left_s:.1f} s left, "
-            f"a new one would take {plan.makespan:.1f} s",
+            reason=f"the plan in force goes on with {left_s:.1f} s left, {compared}",
             keeps_plan=True,
             remarks=self._remarks(left.plan, frozenset(), left),
         )
@@ -227,7 +239,7 @@ class Planning:
         A robot on its way is late by the time it still needs; whatever has not begun is late
         since it should have.
         """
-        travel = Travel(self.situation, self.memory)
+        travel = Travel.of(self.situation, self.memory)
         state = self.situation.state
         busy_until_s = {
             robot.id: robot.free_at_s - state.time_s
@@ -281,7 +293,7 @@ class Planning:
         }
         if not idle or taken >= blockades:
             return list(assignments)
-        travel = Travel(situation, self.memory)
+        travel = Travel.of(situation, self.memory)
         return [*assignments, *clear_nearest(situation, travel, idle, taken)]
 
     def _steps(self, plan: planner.Plan) -> tuple[PlanStep, ...]:

@@ -18,6 +18,7 @@ class Travel:
     """
 
     def __init__(self, situation: Situation, memory: Memory) -> None:
+        self.situation = situation
         self.formulation = catalogue.load(situation.domain)
         self.names = self.formulation.names(situation.state)
         self.world = self.formulation.world(
@@ -25,6 +26,16 @@ class Travel:
         )
         self._costs = path_costs(self.world, memory)
         self._avoid = situation.avoid
+
+    @classmethod
+    def of(cls, situation: Situation, memory: Memory) -> "Travel":
+        """Those of a situation, made once while it is the latest that the memory has seen."""
+        kept = memory.get("travel", Travel)
+        if kept is not None and kept.situation is situation:
+            return kept
+        travel = cls(situation, memory)
+        memory.keep("travel", travel)
+        return travel
 
     def times_s(self, robots: Sequence[str], goals: Sequence[str]) -> list[list[float]]:
         """Travel times of each robot, from where it is now, to each goal."""

@@ -49,11 +49,6 @@ class Capacity:
     full: bool = False
     """Whether more work would be refused."""
 
-    @property
-    def load(self) -> float:
-        """Work under way or waiting, for each worker."""
-        return (self.running + self.queued) / self.workers
-
 
 class Run(Protocol):
     """Work that was taken on."""

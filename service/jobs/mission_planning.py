@@ -6,6 +6,7 @@ import logging
 from service.coordination.deliberation import Decided, Deliberation
 from service.coordination.ports import PlannersLostError
 from service.coordination.strategy import NoPlanError
+from service.jobs.demand import Demand
 from service.jobs.executor import Executor, QueueFullError, Told
 
 LOG = logging.getLogger(__name__)
@@ -16,6 +17,7 @@ class MissionPlanning:
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
+        self._demand = Demand(executor.capacity().workers)
 
     async def decide(self, deliberation: Deliberation) -> Decided:
         """The decision of a worker.
@@ -23,6 +25,7 @@ class MissionPlanning:
         Where a worker is lost, the strategy's fallback has another try: what killed one worker may
         kill the next, and a team in the field is better off with a simple order than with none.
         """
+        self._demand.ask(deliberation.mission_id)
         told = await self._told(deliberation)
         if _is_lost(told):
             LOG.warning("mission %s: %s", deliberation.mission_id, told["message"])
@@ -58,9 +61,9 @@ class MissionPlanning:
         self._executor.forget(mission_id)
 
     @property
-    def load(self) -> float:
-        """Decisions under way or waiting, for each worker."""
-        return self._executor.capacity().load
+    def share_s(self) -> float:
+        """Time for each decision so that all missions get theirs soon [s]."""
+        return self._demand.share_s(self._executor.capacity().queued)
 
 
 def _is_lost(told: Told) -> bool:

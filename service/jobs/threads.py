@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from semantic_attachments.contract import Memory
 from service.coordination.deliberation import Decided, Deliberation
+from service.jobs.demand import Demand
 
 
 class PlanningThreads:
@@ -17,6 +18,7 @@ class PlanningThreads:
     def __init__(self, workers: int) -> None:
         self._workers = workers
         self._under_way = 0
+        self._demand = Demand(workers)
         self._pool = ThreadPoolExecutor(workers, thread_name_prefix="planning")
         self._memories: dict[str, Memory] = {}
 
@@ -24,6 +26,7 @@ class PlanningThreads:
         """The decision, made in a worker thread."""
         memory = self._memories.setdefault(deliberation.mission_id, Memory())
         self._under_way += 1
+        self._demand.ask(deliberation.mission_id)
         try:
             loop = asyncio.get_running_loop()
             return await loop.run_in_executor(self._pool, deliberation.decide, memory)
@@ -35,9 +38,9 @@ class PlanningThreads:
         self._memories.pop(mission_id, None)
 
     @property
-    def load(self) -> float:
-        """Decisions under way or waiting, for each worker."""
-        return self._under_way / self._workers
+    def share_s(self) -> float:
+        """Time for each decision so that all missions get theirs soon [s]."""
+        return self._demand.share_s(max(self._under_way - self._workers, 0))
 
     def close(self) -> None:
         """Lets the workers finish what they are at."""

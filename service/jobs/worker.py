@@ -12,6 +12,8 @@ from service.jobs.executor import Told
 from service.jobs.parcels import Receiving
 
 MIB = 2**20
+NICENESS = 5
+"""Planning takes what is left: a report is answered first on a machine that is busy."""
 RELIEF_SHARE = 0.5
 """Above this share of its memory limit a worker drops what it keeps between works."""
 
@@ -24,6 +26,7 @@ def main(pipe: Connection, memory_limit_mb: int) -> None:
     it.
     """
     os.setsid()
+    os.nice(NICENESS)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the service decides when to stop
     limit_memory(memory_limit_mb)
     threading.Thread(target=_end_with_the_service, args=(pipe,), daemon=True).start()

@@ -23,7 +23,7 @@ SILENCE_S = 15.0
 """How long to wait for news before looking whether the mission is over."""
 
 
-def first_wanted(last_event_id: Annotated[str | None, Header()] = None) -> int:
+async def first_wanted(last_event_id: Annotated[str | None, Header()] = None) -> int:
     """The number of the first event a client has not seen."""
     if last_event_id is None:
         return 0
@@ -45,7 +45,9 @@ async def events(
     """
     mission_id = found.mission.id
     while True:
-        batch = await anyio.to_thread.run_sync(all_missions.events, mission_id, wanted, BATCH)
+        batch = found.latest(wanted) or await anyio.to_thread.run_sync(
+            all_missions.events, mission_id, wanted, BATCH
+        )
         for number, event in batch:
             yield ServerSentEvent(
                 id=str(number), event=event.kind, raw_data=event.model_dump_json()

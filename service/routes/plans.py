@@ -26,7 +26,7 @@ ROUTER = APIRouter(prefix="/v1/plans", tags=["plans"], dependencies=[Depends(nee
 BODIES = (PlanSubmission,)
 
 
-def requests(request: Request) -> PlanningRequests:
+async def requests(request: Request) -> PlanningRequests:
     """The planning requests of this service."""
     found: PlanningRequests = request.app.state.planning_requests
     return found

@@ -17,7 +17,7 @@ TAG = re.compile(r'^\s*(?:W/)?"([0-9a-f]{1,64})"\s*$')
 """An `ETag` that is a version."""
 
 
-def library(request: Request) -> Library:
+async def library(request: Request) -> Library:
     """What this service keeps."""
     found: Library = request.app.state.library
     return found
@@ -37,7 +37,7 @@ def summarised(stored: Stored) -> dict[str, Any]:
     return {name: getattr(stored, name) for name in names}
 
 
-def expected_version(
+async def expected_version(
     if_match: Annotated[str | None, Header()] = None,
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> str | None:

@@ -12,8 +12,6 @@ from sqlalchemy.exc import OperationalError
 from test_mission_loop import ROOMS, TARGETS, WAIT, drive, fleet
 
 from service.app import create_app
-from service.coordination.deliberation import within_load
-from service.messages.mission import PlanningMessage
 from service.settings import Settings, sqlite_url
 
 
@@ -131,14 +129,3 @@ def test_duplicates_and_reordering_execute_nothing_twice(data: st.DataObject) ->
         assert client.get(url).json()["status"] == "completed"
     deeds = [(kind, place) for _, kind, place in team.executed if kind in ("explore", "clear")]
     assert len(deeds) == len(set(deeds))
-
-
-@pytest.mark.parametrize(
-    ("load", "node_limit", "expected_s"),
-    [(0.0, None, 0.3), (0.5, None, 0.3), (2.0, None, 0.1), (50.0, None, 0.05), (50.0, 9, 0.3)],
-)
-def test_replans_share_the_time_under_load(
-    load: float, node_limit: int | None, expected_s: float
-) -> None:
-    planning = PlanningMessage(time_limit_s=0.3, node_limit=node_limit)
-    assert within_load(planning, load).time_limit_s == pytest.approx(expected_s)
