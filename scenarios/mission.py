@@ -31,6 +31,8 @@ from scenarios.report.movie import MovieError, require_writable, write_movie
 from scenarios.report.page import write_report
 from scenarios.report.table import print_table
 from scenarios.scenario_file import ScenarioFileError, read_scenario
+from scenarios.service_link import ServiceLink
+from service.client import ServiceError
 from service.settings import Settings
 from simulator.fleet_client import FleetClient, FleetClientError
 from simulator.simulation import Simulation, SimulationResult
@@ -45,6 +47,8 @@ class RunOptions:
     """the scenario's if None"""
     service: str | None = None
     """address of a running service; None starts one in this process"""
+    key: str | None = None
+    """API key for it"""
     headless: bool = False
     json_file: Path | None = None
     report: Path | None = None
@@ -114,13 +118,13 @@ def run(composition: Composition, options: RunOptions, listener: Listener) -> Mi
     begin_s = time.perf_counter()
     with ExitStack() as stack:
         plans, http = stack.enter_context(_connected(options))
-        client = FleetClient(http)
-        simulation = Simulation(composition.fleet, client)
+        link = ServiceLink(http, options.key)
+        simulation = Simulation(composition.fleet, FleetClient(link))
         try:
             for progress in simulation.run():
                 listener(progress)
-            mission = client.get()
-        except FleetClientError as error:
+            mission = link.client.mission(simulation.client.mission).model_dump(mode="json")
+        except (FleetClientError, ServiceError) as error:
             raise CommandError(str(error)) from None
     if simulation.result is None:
         raise RuntimeError("the simulation ended without a result")

@@ -42,7 +42,8 @@ class PlanListener(httpx.BaseTransport):
 
     def _ask(self, request: httpx.Request, time_s: float) -> None:
         url = request.url.copy_with(path=request.url.path.removesuffix(REPORTS) + "/plan")
-        answer = self._inner.handle_request(httpx.Request("GET", url))
+        headers = {k: v for k, v in request.headers.items() if k in ("authorization", "host")}
+        answer = self._inner.handle_request(httpx.Request("GET", url, headers=headers))
         content = answer.read()
         if answer.status_code == 200:
             plan = _read(json.loads(content), time_s)

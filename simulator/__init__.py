@@ -1,1 +1,1 @@
-"""Ground truth and senses: a simulated fleet in a building, and a client that speaks only HTTP."""
+"""Ground truth and senses: a simulated fleet in a building that knows a service by its protocol."""

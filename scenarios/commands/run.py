@@ -33,6 +33,10 @@ def run(
         str | None,
         typer.Option(help="Address of a running service; by default one runs inside."),
     ] = None,
+    key: Annotated[
+        str | None,
+        typer.Option(envvar="MARSUPIAL_KEY", help="API key for that service."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for reports.")] = Path("out"),
 ) -> None:
     """Run a scenario: a simulated fleet reports to the service and carries out its commands.
@@ -47,6 +51,7 @@ def run(
             seed=seed,
             strategy=strategy,
             service=service,
+            key=key,
             headless=headless,
             json_file=json_file,
             report=report,

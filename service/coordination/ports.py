@@ -17,6 +17,10 @@ class StoreError(Exception):
     """The event log refused; as far as it knows, nothing of this append was written."""
 
 
+class KeyReusedError(Exception):
+    """An idempotency key came with two different requests."""
+
+
 class EventLog(Protocol):
     """Where events are kept; `append` returns when they are on disk."""
 

@@ -11,7 +11,14 @@ from service.coordination.events import Event, MissionCreated
 from service.coordination.history import created, rebuilt
 from service.coordination.known_map import robot_models
 from service.coordination.mission import Mission
-from service.coordination.ports import Fault, Observer, Planners, Resources, UnresolvedError
+from service.coordination.ports import (
+    Fault,
+    KeyReusedError,
+    Observer,
+    Planners,
+    Resources,
+    UnresolvedError,
+)
 from service.coordination.replanning import LoopParameters
 from service.coordination.strategy import Strategy
 from service.messages.mission import MissionRequest
@@ -24,10 +31,6 @@ class MissionRefusedError(Exception):
     def __init__(self, faults: list[Fault]) -> None:
         super().__init__(faults[0][1])
         self.faults = faults
-
-
-class KeyReusedError(Exception):
-    """An idempotency key came with two different requests."""
 
 
 class FullError(Exception):

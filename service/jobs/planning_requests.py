@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from service.coordination.ports import KeyReusedError
 from service.jobs.executor import LAST, Executor, QueueFullError, Run, Told
 from service.jobs.work import PlanningWork
 from service.messages.planning import PlanOut, PlanRequest, PlanResult, PlanStatus
@@ -63,8 +64,27 @@ class PlanningRequests:
                 await self._publish(following, {"kind": "failed", "message": str(error)})
         return len(stored)
 
-    async def submit(self, request: PlanRequest, client: str) -> Following:
+    async def repeated(self, client: str, key: str, digest: str) -> Following | None:
+        """The request that a client made under a key, if it made one.
+
+        Raises:
+            KeyReusedError: it was another one.
+        """
+        before = await asyncio.to_thread(self._store.created_under, client, key)
+        if before is None:
+            return None
+        if before[1] != digest:
+            raise KeyReusedError("this Idempotency-Key was used for another planning request")
+        return await self.find(before[0])
+
+    async def submit(
+        self, request: PlanRequest, client: str, key: str | None = None, digest: str = ""
+    ) -> Following:
         """Accepts a request; it is stored when this returns.
+
+        Args:
+            key: under which `repeated` finds it.
+            digest: of what was sent.
 
         Raises:
             QueueFullError: too many are waiting.
@@ -74,7 +94,7 @@ class PlanningRequests:
         body = request.model_dump_json()
         if self._executor.capacity().full:
             raise QueueFullError("too many planning requests are waiting")
-        await asyncio.to_thread(self._store.add, following.id, client, body)
+        await asyncio.to_thread(self._store.add, following.id, client, body, key, digest)
         try:
             self._start(following, request, client)
         except QueueFullError:

@@ -20,14 +20,21 @@ from service.coordination.events import (
     TargetRemoved,
 )
 from service.coordination.mission import Mission
-from service.coordination.ports import StoreError
+from service.coordination.ports import KeyReusedError, StoreError
 from service.coordination.views import mission_detail
 from service.json_body import described, json_body
 from service.messages.instruction import InstructionBody
 from service.messages.mission import RobotMessage, TargetMessage
 from service.messages.plan import MissionDetail
 from service.problem_details import invalid, not_found
-from service.routes.missions import CoordinatorOf, over, unavailable, wait_s
+from service.routes.missions import (
+    CoordinatorOf,
+    IdempotencyKey,
+    key_reused,
+    over,
+    unavailable,
+    wait_s,
+)
 
 ROUTER = APIRouter(
     prefix="/v1/missions/{mission_id}",
@@ -35,6 +42,8 @@ ROUTER = APIRouter(
     dependencies=[Depends(needs("edit"))],
 )
 BODIES = (RobotMessage, TargetMessage, InstructionBody)
+_KEYS = uuid.UUID("7b1f0c66-4f0e-4f0b-9d55-6a1c6f3d2a10")
+"""Namespace of ids made from idempotency keys."""
 WaitS = Annotated[float, Depends(wait_s)]
 
 
@@ -121,11 +130,19 @@ async def instruct(
     body: Annotated[InstructionBody, Depends(json_body(InstructionBody))],
     wait: WaitS,
     response: Response,
+    idempotency_key: IdempotencyKey = None,
 ) -> MissionDetail:
     """Pins or forbids an assignment, sets a priority or a deadline, takes a robot over."""
-    identifier = uuid.uuid4().hex[:8]
+    # The same key gives the same id, so that a repetition finds what it is about.
+    scope = f"{found.mission.id}/{idempotency_key}"
+    identifier = (uuid.uuid4() if idempotency_key is None else uuid.uuid5(_KEYS, scope)).hex[:12]
 
-    def draft(mission: Mission) -> Event:
+    def draft(mission: Mission) -> Event | None:
+        given = mission.instructions.get(identifier)
+        if given is not None:
+            if given.instruction != body.root:
+                raise key_reused(KeyReusedError("this key was used for another instruction"))
+            return None
         if faults := instruction_faults(mission, body.root):
             raise invalid(faults)
         return InstructionGiven(time_s=mission.time_s, id=identifier, instruction=body.root)

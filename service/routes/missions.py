@@ -8,13 +8,8 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 
 from service.access import caller_of, needs
 from service.coordination.coordinator import Coordinator, OverError, ReportRefusedError, summary
-from service.coordination.ports import StoreError
-from service.coordination.registry import (
-    FullError,
-    KeyReusedError,
-    MissionRefusedError,
-    Missions,
-)
+from service.coordination.ports import KeyReusedError, StoreError
+from service.coordination.registry import FullError, MissionRefusedError, Missions
 from service.coordination.views import known_map, mission_detail, plan_in_force
 from service.json_body import described, json_body
 from service.messages.mission import MissionRequest
@@ -27,6 +22,7 @@ ROUTER = APIRouter(
     prefix="/v1/missions", tags=["missions"], dependencies=[Depends(needs("operate"))]
 )
 BODIES = (MissionRequest, Report)
+IdempotencyKey = Annotated[str | None, Header(min_length=1, max_length=200)]
 _WAIT = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6})\"?(?=$|[,;\s])", re.IGNORECASE)
 
 
@@ -66,6 +62,11 @@ def unavailable(error: StoreError) -> ProblemError:
     )
 
 
+def key_reused(error: KeyReusedError) -> ProblemError:
+    """The key belongs to another request."""
+    return ProblemError(HTTPStatus.UNPROCESSABLE_ENTITY, "idempotency-key-reused", str(error))
+
+
 def over(error: OverError) -> ProblemError:
     """The mission has ended; nothing can be changed any more."""
     return ProblemError(HTTPStatus.CONFLICT, "mission-over", str(error))
@@ -92,7 +93,7 @@ async def create_mission(
     body: Annotated[MissionRequest, Depends(json_body(MissionRequest))],
     all_missions: Annotated[Missions, Depends(missions)],
     response: Response,
-    idempotency_key: Annotated[str | None, Header(max_length=200)] = None,
+    idempotency_key: IdempotencyKey = None,
 ) -> MissionDetail:
     """Accepts a mission; it begins with the fleet's first report.
 
@@ -105,9 +106,7 @@ async def create_mission(
     try:
         created = await all_missions.create(body, idempotency_key)
     except KeyReusedError as error:
-        raise ProblemError(
-            HTTPStatus.UNPROCESSABLE_ENTITY, "idempotency-key-reused", str(error)
-        ) from None
+        raise key_reused(error) from None
     except MissionRefusedError as error:
         raise invalid(error.faults) from None
     except FullError as error:

@@ -1,5 +1,6 @@
 """Planning requests without a mission."""
 
+import hashlib
 from collections.abc import AsyncIterator
 from http import HTTPStatus
 from typing import Annotated
@@ -11,7 +12,7 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 import planner
 from service.access import caller_of, needs
 from service.coordination.known_map import MapError, read_cells, read_terrain
-from service.coordination.ports import StoreError, UnresolvedError
+from service.coordination.ports import KeyReusedError, StoreError, UnresolvedError
 from service.jobs.executor import QueueFullError
 from service.jobs.planning_requests import Following, PlanningRequests, result
 from service.json_body import described, json_body
@@ -19,7 +20,7 @@ from service.messages.planning import PlanRequest, PlanResult, PlanSubmission
 from service.problem_details import Diagnostic, ProblemError, invalid, not_found
 from service.resources.library import Library
 from service.routes.mission_events import first_wanted
-from service.routes.missions import unavailable, wait_s
+from service.routes.missions import IdempotencyKey, key_reused, unavailable, wait_s
 from service.settings import Settings
 
 ROUTER = APIRouter(prefix="/v1/plans", tags=["plans"], dependencies=[Depends(needs("operate"))])
@@ -97,6 +98,21 @@ def pddl_problem(where: str, error: planner.PddlError) -> ProblemError:
     return problem
 
 
+async def prepared(request: Request, body: PlanSubmission) -> PlanRequest:
+    """A request with what it names, read and checked.
+
+    Raises:
+        ProblemError: 422 with all findings.
+    """
+    kept: Library = request.app.state.library
+    try:
+        work = await kept.planning(body, caller_of(request).reaches)
+    except UnresolvedError as error:
+        raise invalid(error.faults) from None
+    await anyio.to_thread.run_sync(checked, work, request.app.state.settings)
+    return work
+
+
 @ROUTER.post(
     "",
     status_code=HTTPStatus.ACCEPTED,
@@ -109,23 +125,34 @@ async def submit(
     all_requests: Requests,
     wait: Annotated[float, Depends(wait_s)],
     response: Response,
+    *,
+    idempotency_key: IdempotencyKey = None,
 ) -> PlanResult:
-    """Accepts a problem to solve: 202 and where to look, or the result within `Prefer: wait=N`."""
+    """Accepts a problem to solve: 202 and where to look, or the result within `Prefer: wait=N`.
+
+    Sent again with the same `Idempotency-Key`, it gives the request that there is.
+    """
     caller = caller_of(request)
-    kept: Library = request.app.state.library
-    try:
-        work = await kept.planning(body, caller.reaches)
-    except UnresolvedError as error:
-        raise invalid(error.faults) from None
-    await anyio.to_thread.run_sync(checked, work, request.app.state.settings)
-    try:
-        accepted = await all_requests.submit(work, caller.name)
-    except QueueFullError as error:
-        raise ProblemError(
-            HTTPStatus.TOO_MANY_REQUESTS, "queue-full", str(error), headers={"Retry-After": "5"}
-        ) from None
-    except StoreError as error:
-        raise unavailable(error) from None
+    digest = hashlib.sha256(body.model_dump_json().encode()).hexdigest()
+    accepted = None
+    if idempotency_key is not None:
+        try:
+            accepted = await all_requests.repeated(caller.name, idempotency_key, digest)
+        except KeyReusedError as error:
+            raise key_reused(error) from None
+    if accepted is None:
+        work = await prepared(request, body)
+        try:
+            accepted = await all_requests.submit(work, caller.name, idempotency_key, digest)
+        except QueueFullError as error:
+            raise ProblemError(
+                HTTPStatus.TOO_MANY_REQUESTS,
+                "queue-full",
+                str(error),
+                headers={"Retry-After": "5"},
+            ) from None
+        except StoreError as error:
+            raise unavailable(error) from None
     response.headers["Location"] = f"/v1/plans/{accepted.id}"
     if wait > 0.0:
         await all_requests.wait(accepted, wait)

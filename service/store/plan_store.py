@@ -29,8 +29,10 @@ class PlanStore:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
 
-    def add(self, identifier: str, client: str, body: str) -> None:
-        """Stores a new request.
+    def add(
+        self, identifier: str, client: str, body: str, key: str | None = None, digest: str = ""
+    ) -> None:
+        """Stores a new request; `key` and `digest` tell a repetition.
 
         Raises:
             StoreError: nothing was stored.
@@ -44,10 +46,21 @@ class PlanStore:
                         body=body,
                         status="queued",
                         created_at=datetime.now(UTC),
+                        idempotency_key=key,
+                        body_digest=digest or None,
                     )
                 )
         except SQLAlchemyError as error:
             raise StoreError(str(error.__cause__ or error)) from error
+
+    def created_under(self, client: str, key: str) -> tuple[str, str] | None:
+        """Id and digest of the request that a client made under a key."""
+        query = select(PLAN_REQUESTS.c.id, PLAN_REQUESTS.c.body_digest).where(
+            PLAN_REQUESTS.c.client == client, PLAN_REQUESTS.c.idempotency_key == key
+        )
+        with self._engine.connect() as connection:
+            row = connection.execute(query).one_or_none()
+        return None if row is None else (row.id, row.body_digest or "")
 
     def set_status(self, identifier: str, status: str) -> None:
         """Stores that a request runs, or waits again; its end is stored by `tell`."""

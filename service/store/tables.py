@@ -51,7 +51,10 @@ PLAN_REQUESTS = Table(
     Column("status", String(20), nullable=False),
     Column("created_at", DateTime(timezone=True), nullable=False),
     Column("body", Text, nullable=False),
+    Column("idempotency_key", String(200)),
+    Column("body_digest", String(64)),
     Index("plan_requests_open", "status"),
+    UniqueConstraint("client", "idempotency_key", name="one_request_a_key"),
 )
 
 PLAN_EVENTS = Table(

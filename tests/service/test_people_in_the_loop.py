@@ -214,3 +214,15 @@ def test_the_same_key_gives_the_same_mission(client: InProcessClient) -> None:
     assert other.status_code == 422
     assert other.json()["type"].endswith("idempotency-key-reused")
     assert len(client.get("/v1/missions").json()) == 1
+
+
+def test_an_instruction_sent_again_under_its_key_counts_once(client: InProcessClient) -> None:
+    url, _ = begun(client, two_explorers())
+    key = {"Idempotency-Key": "stop left"}
+    body = {"kind": "take-over", "robot": "left"}
+    first = client.post(f"{url}/instructions", json=body, headers=key)
+    again = client.post(f"{url}/instructions", json=body, headers=key)
+    assert again.headers["location"] == first.headers["location"]
+    assert len(client.get(url).json()["instructions"]) == 1
+    other = client.post(f"{url}/instructions", json={**body, "robot": "right"}, headers=key)
+    assert other.status_code == 422

@@ -173,3 +173,14 @@ def test_a_request_is_taken_up_again_after_a_restart(tmp_path: Path) -> None:
         events = stream(second, url)
         assert events[-1]["event"] == "finished"
         assert second.get(url).json()["validated"] is True
+
+
+def test_the_same_key_gives_the_same_request(client: InProcessClient) -> None:
+    key = {"Idempotency-Key": "friday"}
+    first = client.post("/v1/plans", json=request(3), headers={**WAIT, **key})
+    again = client.post("/v1/plans", json=request(3), headers={**WAIT, **key})
+    assert again.headers["location"] == first.headers["location"]
+    assert again.json() == first.json()
+    other = client.post("/v1/plans", json=request(4), headers=key)
+    assert other.status_code == 422
+    assert other.json()["type"].endswith("idempotency-key-reused")

@@ -32,7 +32,7 @@ CORRIDOR = """
 
 def run(scenario: FleetScenario) -> tuple[SimulationResult, Dispatcher]:
     dispatcher = Dispatcher()
-    simulation = Simulation(scenario, FleetClient(dispatcher.client()))
+    simulation = Simulation(scenario, FleetClient(dispatcher))
     for _ in simulation.run():
         pass
     assert simulation.result is not None
@@ -124,7 +124,7 @@ def test_two_robots_pass_one_another_where_there_is_one_place_to(tmp_path: Path)
                     "location": goal,
                 }
 
-    simulation = Simulation(scenario, FleetClient(Crossing().client()))
+    simulation = Simulation(scenario, FleetClient(Crossing()))
     for progress in simulation.run():
         assert progress.time_s < 300.0
     assert simulation.result is not None
@@ -174,4 +174,4 @@ def test_robots_that_start_in_one_another_are_refused(tmp_path: Path) -> None:
     scenario = two_rooms(tmp_path)
     robots = (scenario.robots[0], replace(scenario.robots[1], pose=scenario.robots[0].pose))
     with pytest.raises(ScenarioError, match="'clearer_1' cannot stand"):
-        Simulation(replace(scenario, robots=robots), FleetClient(Dispatcher().client()))
+        Simulation(replace(scenario, robots=robots), FleetClient(Dispatcher()))

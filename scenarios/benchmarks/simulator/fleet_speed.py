@@ -45,7 +45,7 @@ def _measure(robots: int, beams: int, simulated_s: float, out: Path) -> list[str
         time_limit_s=simulated_s,
         robot_types=tuple(replace(kind, beams=beams) for kind in fleet.robot_types),
     )
-    simulation = Simulation(fleet, FleetClient(Patrol(seed=1).client()))
+    simulation = Simulation(fleet, FleetClient(Patrol(seed=1)))
     spent = dict.fromkeys(_PARTS, 0.0)
     for part, (owner, method) in _PARTS.items():
         _clock(getattr(simulation, owner) if owner else simulation, method, spent, part)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import random
+from collections.abc import Mapping
 from typing import Any
-
-import httpx
 
 
 class Patrol:
@@ -18,19 +16,21 @@ class Patrol:
         self.commands: dict[str, dict[str, Any]] = {}
         self.issued = 0
 
-    def client(self) -> httpx.Client:
-        """A client whose requests this object answers in the same thread."""
-        return httpx.Client(transport=httpx.MockTransport(self.answer), base_url="http://patrol")
+    @property
+    def retries(self) -> int:
+        """It answers at once, always."""
+        return 0
 
-    def answer(self, request: httpx.Request) -> httpx.Response:
-        """One request of the protocol."""
-        body = json.loads(request.content)
-        if request.url.path.endswith("/missions"):
-            self.places = [target["id"] for target in body["targets"]]
-            return httpx.Response(201, json={"id": "patrol"})
-        for ended in (*body["finished"], *body["failed"]):
+    def create_mission(self, request: Mapping[str, Any]) -> str:
+        """Notes where to go."""
+        self.places = [target["id"] for target in request["targets"]]
+        return "patrol"
+
+    def report(self, _: str, report: Mapping[str, Any]) -> Mapping[str, Any]:
+        """A command for every robot."""
+        for ended in (*report["finished"], *report["failed"]):
             self.commands.pop(ended["robot"], None)
-        for robot in body["robots"]:
+        for robot in report["robots"]:
             if robot["id"] not in self.commands:
                 self.issued += 1
                 self.commands[robot["id"]] = {
@@ -46,4 +46,4 @@ class Patrol:
             "replans": 0,
         }
         commands = list(self.commands.values())
-        return httpx.Response(200, json={"mission": state, "commands": commands})
+        return {"mission": state, "commands": commands}
