@@ -316,6 +316,22 @@ class OctreeMap:
         except MemoryError as refusal:
             raise MapFullError(str(refusal)) from None
 
+    def add_to_channel(self, name: str, points_m: ArrayLike, log_odds: ArrayLike) -> None:
+        """Adds one measurement a point `(n, 3)` whose log odds `(n,)` are its own (eq. 6.18).
+
+        The sum is clamped to the channel's thresholds; NaN says nothing.
+
+        Raises:
+            KeyError: if the channel was not added.
+            MapFullError: the map would take more than its limit; points before are counted.
+        """
+        try:
+            self._kernel.add_to_channel(
+                name, _points(points_m), np.asarray(log_odds, dtype=np.float64)
+            )
+        except MemoryError as refusal:
+            raise MapFullError(str(refusal)) from None
+
     def channel_log_odds(self, name: str, points_m: ArrayLike) -> NDArray[np.float64]:
         """A channel's log odds `(n,)` at points, NaN where it was never measured."""
         return self._kernel.channel_log_odds(name, _points(points_m))

@@ -9,7 +9,7 @@ from simulator.vegetation.features import MAX_RANGE_M, Measurements, measure
 from simulator.vegetation.self_supervision import RecordedDrive, RecordedScan
 from simulator.vegetation.sensor_setup import SensorSetup
 from simulator.vegetation.simulation.remission_model import PAVED, VEGETATION
-from simulator.vegetation.simulation.scanning import Sweep, driving_scan, tilting_scan
+from simulator.vegetation.simulation.scanning import Sweep, scan_lines, tilting_scan
 from simulator.vegetation.simulation.terrain_world import TerrainWorld
 from simulator.vegetation.simulation.vibration_model import drive_along
 from simulator.vegetation.simulation.worlds import street_and_lawn
@@ -94,9 +94,10 @@ def vibration_classifier(
 def standing_recording(
     setup: SensorSetup, seeds: tuple[int, ...], lines: int = 80
 ) -> tuple[Measurements, NDArray[np.bool_], NDArray[np.int_]]:
-    """Measurements in front of plain street and plain grass, of a fixed scanner moved forward.
+    """Measurements in front of plain street and plain grass (section 6.9.3).
 
-    Returns measurements, whether they are vegetation, and the number of the recording.
+    A fixed scanner is moved forward, a tilting one makes one sweep of as many lines. Returns
+    measurements, whether they are vegetation, and the number of the recording.
     """
     parts, vegetation, groups = [], [], []
     for number, seed in enumerate(seeds):
@@ -104,9 +105,12 @@ def standing_recording(
         random = np.random.default_rng([seed, 9])
         width, height = world.size_m
         for y in (0.2 * height, 0.8 * height):
-            x = random.uniform(2.0, width - 12.0) + 0.05 * np.arange(lines)
+            low, high = setup.tilt_rad
+            forward_m = 0.05 if low == high else 0.0
+            x = random.uniform(2.0, width - 12.0) + forward_m * np.arange(lines)
             poses = np.column_stack([x, np.full(lines, y), np.zeros(lines)])
-            sweep = driving_scan(world, setup, poses, random)
+            tilts = np.linspace(low, high, lines)
+            sweep = scan_lines(world, setup, poses, tilts, random)
             measured = measure(sweep.points_m, sweep.remission, sweep.sensor_m)
             usable = sweep.on_ground & (measured.range_m < MAX_RANGE_M)
             usable &= np.isin(sweep.material, [int(kind) for kind in VEGETATION | PAVED])

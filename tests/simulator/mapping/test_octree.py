@@ -1,3 +1,4 @@
+import math
 from pathlib import Path
 
 import numpy as np
@@ -123,3 +124,18 @@ def test_bad_input_is_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "empty.bt").write_bytes(b"")
     with pytest.raises(MapFileError, match=r"empty\.bt: not an OctoMap file"):
         OctreeMap.read(tmp_path / "empty.bt")
+
+
+def test_a_channel_takes_measurements_of_any_certainty() -> None:
+    grass = OctreeMap(0.1)
+    grass.add_channel("vegetation", SensorModel(hit=1.0, miss=-1.0, lowest=-3.0, highest=3.0))
+    points = [[0.05, 0.05, 0.05], [0.15, 0.05, 0.05], [0.25, 0.05, 0.05]]
+    grass.add_to_channel("vegetation", points, [0.7, -0.2, math.nan])
+    grass.add_to_channel("vegetation", points, [0.35, -5.0, math.nan])
+    found = grass.channel_log_odds("vegetation", points)
+    assert found[:2] == pytest.approx([1.05, -3.0])
+    assert math.isnan(found[2])
+    with pytest.raises(KeyError, match='no channel "snow"'):
+        grass.add_to_channel("snow", points, [0.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match="one value a point"):
+        grass.add_to_channel("vegetation", points, [0.0])

@@ -85,6 +85,19 @@ impl SensorModel {
         (prior + step).clamp(i16::from(self.lowest), i16::from(self.highest)) as i8
     }
 
+    /// The value after a measurement that says these log odds; an unknown voxel starts from even odds.
+    #[must_use]
+    pub fn moved(&self, value: i8, log_odds: f64) -> i8 {
+        let prior = if value == UNKNOWN {
+            0.0
+        } else {
+            f64::from(value)
+        };
+        (prior + log_odds / self.quantum)
+            .round()
+            .clamp(f64::from(self.lowest), f64::from(self.highest)) as i8
+    }
+
     /// Log odds of a stored value; NaN for an unknown voxel.
     #[must_use]
     pub fn log_odds(&self, value: i8) -> f64 {
@@ -121,6 +134,16 @@ mod tests {
             assert_eq!(value, limit);
             assert_eq!(model.updated(value, hit), limit);
         }
+    }
+
+    #[test]
+    fn measurements_of_any_certainty_add_up_and_are_clamped() {
+        let model = SensorModel::thesis();
+        let once = model.moved(UNKNOWN, 1.2);
+        assert_eq!(model.log_odds(once), 24.0 * 0.05);
+        assert_eq!(model.moved(once, -1.2), 0);
+        assert_eq!(model.moved(UNKNOWN, -9.0), model.lowest);
+        assert_eq!(model.moved(once, f64::INFINITY), model.highest);
     }
 
     #[test]

@@ -359,6 +359,34 @@ impl PyOctree {
         Ok(())
     }
 
+    /// Adds measurements of any certainty to a channel: their log odds, one a point; NaN says nothing.
+    fn add_to_channel(
+        &mut self,
+        name: &str,
+        points_m: PyReadonlyArray2<'_, f32>,
+        log_odds: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<()> {
+        let points = points(&points_m)?;
+        let log_odds = log_odds.as_array();
+        if log_odds.len() != points.len() {
+            return Err(PyValueError::new_err("one value a point is needed"));
+        }
+        let lattice = self.map.lattice;
+        self.channel_mut(name)?;
+        for (&point, &step) in points.iter().zip(log_odds) {
+            if step.is_nan() {
+                continue;
+            }
+            self.map.has_room(1, 1).map_err(full)?;
+            let channel = self.channel_mut(name)?;
+            if let Some(voxel) = lattice.voxel(point) {
+                let value = channel.model.moved(channel.grid.value(voxel), step);
+                channel.grid.set(voxel, value);
+            }
+        }
+        Ok(())
+    }
+
     /// Log odds of a channel at points; NaN where it was never measured.
     fn channel_log_odds<'py>(
         &self,
