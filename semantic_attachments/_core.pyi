@@ -4,7 +4,7 @@ Arrays of a map have shape (height, width), row 0 at the bottom; a cell is `row 
 distances are in cells times multiplier.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,3 +71,18 @@ class Footprint:
     def hits(
         self, path: NDArray[np.float64], cells: Sequence[int] | NDArray[np.uint32]
     ) -> bool: ...
+
+class LazyGraph:
+    def __init__(self) -> None: ...
+    @property
+    def edges(self) -> int: ...
+    def add_vertex(self, x: float, y: float) -> int: ...
+    def add_edge(self, start: int, goal: int, duration: float, length: float) -> int: ...
+    def settle(self, edge: int, is_there: bool) -> None: ...
+    def search(
+        self,
+        first: Sequence[int],
+        goals: Sequence[Sequence[int]],
+        walls: Sequence[tuple[float, float, float, float, float]],
+        look: Callable[[int], tuple[bool, bool]],
+    ) -> list[tuple[float, list[int]]]: ...

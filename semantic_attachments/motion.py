@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments.contract import Attachment, EvaluationError, Memory, Parameter, Quality
+from semantic_attachments.motion_parameters import MotionParameters
 from semantic_attachments.motion_worker import MotionWorker, Query
 from semantic_attachments.outline import inner_radius_m
 from semantic_attachments.path_costs import PathCosts
-from semantic_attachments.roadmap import NO_MOTION, Motion, MotionParameters
 from semantic_attachments.robot_class import GridParameters
 from semantic_attachments.robot_model import RobotModel
 from semantic_attachments.world import Blockade, Location, World
@@ -65,7 +65,7 @@ class MotionCosts:
     def __init__(self, world: World, workers: MotionWorkers) -> None:
         self.world = world
         self._workers = workers
-        self._motions: dict[Key, Motion] = {}
+        self._durations_s: dict[Key, float] = {}
         self._lock = RLock()
 
     def __call__(self, *arguments: str) -> float:
@@ -80,15 +80,13 @@ class MotionCosts:
         """
         with self._lock:
             keys = [self._resolve(call) for call in calls]
-            missing = {k: c for k, c in zip(keys, calls, strict=True) if k not in self._motions}
+            missing = {k: c for k, c in zip(keys, calls, strict=True) if k not in self._durations_s}
             bounds_s = self.lower_bounds(list(missing.values()))
-            self._motions.update(
-                (key, NO_MOTION)
-                for key, bound_s in zip(missing, bounds_s, strict=True)
-                if bound_s == inf
+            self._durations_s.update(
+                (key, inf) for key, bound_s in zip(missing, bounds_s, strict=True) if bound_s == inf
             )
-            self._plan([key for key in missing if key not in self._motions])
-            return [self._motions[key].duration_s for key in keys]
+            self._plan([key for key in missing if key not in self._durations_s])
+            return [self._durations_s[key] for key in keys]
 
     def lower_bounds(self, calls: Sequence[Call]) -> list[float]:
         """What no motion is quicker than, without planning motions [s].
@@ -111,8 +109,19 @@ class MotionCosts:
     def path(self, robot: str, start: str, goal: str) -> NDArray[np.float64]:
         """(n, 3) poses x [m], y [m], heading [rad] from one location to another, at most half a
         cell apart."""
-        self.many([(robot, start, goal)])
-        return self._motions[self._resolve((robot, start, goal))].poses
+        with self._lock:
+            model, first, last = self._resolve((robot, start, goal))
+            if self.many([(robot, start, goal)])[0] == inf:
+                return np.empty((0, 3))
+            if first == last:
+                return np.array([[*first.position_m, 0.0]])
+            closed = self._closed(first, last)
+            query = Query(first.position_m, (last.position_m,), closed, whole=True)
+            worker = self._workers.of(model)
+            worker.ask(self.world.grid, [query])
+            ((motion,),) = worker.answer(monotonic() + self._patience_s(1))
+            poses: NDArray[np.float64] = motion.poses
+            return poses
 
     @cached_property
     def _inner_costs(self) -> PathCosts:
@@ -154,9 +163,9 @@ class MotionCosts:
             model, start, goal = key
             ends = (start.position_m, goal.position_m)
             if start == goal:
-                self._motions[key] = Motion(0.0, np.array([[*start.position_m, 0.0]]))
+                self._durations_s[key] = 0.0
             elif any(grid.cell_at(position_m) is None for position_m in ends):
-                self._motions[key] = NO_MOTION
+                self._durations_s[key] = inf
             else:
                 by_start = questions.setdefault(model, {})
                 by_start.setdefault((start, self._closed(start, goal)), []).append(goal)
@@ -168,13 +177,15 @@ class MotionCosts:
             self._workers.of(model).ask(grid, queries)
         for model, by_start in questions.items():
             pairs = sum(len(goals) for goals in by_start.values())
-            budget_s = _START_UP_S + pairs * (self._workers.parameters.budget_s + 1.0)
-            answers = self._workers.of(model).answer(monotonic() + budget_s)
-            for (start, _), goals, motions in zip(
-                by_start, by_start.values(), answers, strict=True
-            ):
-                for goal, motion in zip(goals, motions, strict=True):
-                    self._motions[model, start, goal] = motion
+            answers = self._workers.of(model).answer(monotonic() + self._patience_s(pairs))
+            for (start, _), goals, found in zip(by_start, by_start.values(), answers, strict=True):
+                for goal, duration_s in zip(goals, found, strict=True):
+                    self._durations_s[model, start, goal] = duration_s
+
+    def _patience_s(self, pairs: int) -> float:
+        """How long a worker may take for some pairs."""
+        parameters = self._workers.parameters
+        return _START_UP_S + pairs * (parameters.budget_s + parameters.improvement_s + 1.0)
 
     def _closed(self, start: Location, goal: Location) -> tuple[Blockade, ...]:
         opened = {start.blockade, goal.blockade}

@@ -20,9 +20,10 @@ from typing import IO, Any
 
 from semantic_attachments.contract import EvaluationError
 from semantic_attachments.grid_map import GridMap, PositionM
-from semantic_attachments.roadmap import Motion, MotionParameters, Roadmap
+from semantic_attachments.motion_parameters import MotionParameters
+from semantic_attachments.motion_space import quiet_and_seeded
+from semantic_attachments.roadmap import Roadmap
 from semantic_attachments.robot_model import RobotModel
-from semantic_attachments.rrt_connect import quiet_and_seeded
 from semantic_attachments.world import Blockade
 
 _LENGTH = struct.Struct("<Q")
@@ -32,11 +33,13 @@ _MAPS = 2
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """Motions wanted from one place, with some blockades closed."""
+    """Durations wanted from one place, with some blockades closed, or whole motions."""
 
     start_m: PositionM
     goals_m: tuple[PositionM, ...]
     closed: tuple[Blockade, ...]
+    whole: bool = False
+    """Whether the poses of motions are wanted."""
 
 
 class MotionWorker:
@@ -65,8 +68,8 @@ class MotionWorker:
         self._send((None if grid.digest == self._known else grid, tuple(queries)))
         self._known = grid.digest
 
-    def answer(self, deadline: float) -> list[list[Motion]]:
-        """The motions asked for, one list a query.
+    def answer(self, deadline: float) -> list[list[Any]]:
+        """The durations [s], or motions, asked for; one list a query.
 
         Raises:
             EvaluationError: if the worker failed, or did not answer before the monotonic deadline.
@@ -81,8 +84,8 @@ class MotionWorker:
             raise EvaluationError(f"motion planning failed: {reason}")
         if isinstance(answer, str):
             raise EvaluationError(f"motion planning failed: {answer}")
-        motions: list[list[Motion]] = answer
-        return motions
+        found: list[list[Any]] = answer
+        return found
 
     def _send(self, message: Any) -> None:
         stdin = self._process.stdin
@@ -132,10 +135,15 @@ def serve(questions: IO[bytes], answers: IO[bytes]) -> None:
                 for digest in list(roadmaps)[:-_MAPS]:
                     del roadmaps[digest]
             assert roadmap is not None
-            found: Any = [roadmap.motions(q.start_m, q.goals_m, q.closed) for q in queries]
+            found: Any = [_answer(roadmap, query) for query in queries]
         except Exception as error:
             found = f"{type(error).__name__}: {error}"
         _write(answers, found)
+
+
+def _answer(roadmap: Roadmap, query: Query) -> Sequence[Any]:
+    ask = roadmap.motions if query.whole else roadmap.durations_s
+    return ask(query.start_m, query.goals_m, query.closed)
 
 
 if __name__ == "__main__":

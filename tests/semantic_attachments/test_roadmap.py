@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from semantic_attachments.motion_parameters import MotionParameters
+from semantic_attachments.motion_space import quiet_and_seeded
 from semantic_attachments.outline import Outline
-from semantic_attachments.roadmap import MotionParameters, Roadmap
+from semantic_attachments.roadmap import Roadmap
 from semantic_attachments.robot_model import KINEMATICS, RobotModel
-from semantic_attachments.rrt_connect import quiet_and_seeded
 from semantic_attachments.world import Blockade, GridMap
 
 from .conftest import rooms
@@ -99,6 +100,20 @@ def test_a_place_beside_a_wall_is_reached_on_its_own_side() -> None:
     east, west = roadmap.motions(WEST, [(10.25, 2.0), (9.95, 2.0)], [DOOR])
     assert east.duration_s == math.inf
     assert west.poses[-1, 0] < 9.8
+
+
+def test_what_the_roadmap_does_not_connect_rrt_connect_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two random poses and no guide: the motion, and a shorter one, become part of the roadmap."""
+    few = replace(PARAMETERS, most_samples=2, budget_s=4.0, improvement_s=0.3)
+    durations_s = {}
+    for improvement_s in (0.0, 0.3):
+        roadmap = Roadmap(car("reeds-shepp", 0.8), GRID, replace(few, improvement_s=improvement_s))
+        monkeypatch.setattr(roadmap._guide, "poses", lambda *_: [])
+        (durations_s[improvement_s],) = roadmap.durations_s(WEST, [EAST], [])
+        assert roadmap.durations_s(WEST, [EAST], []) == [durations_s[improvement_s]]
+    assert all(32.0 <= duration_s < 60.0 for duration_s in durations_s.values())
 
 
 def test_equal_seeds_give_equal_motions() -> None:

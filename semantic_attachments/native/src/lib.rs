@@ -18,6 +18,7 @@ pub mod canonical;
 pub mod field;
 pub mod footprint;
 pub mod inflation;
+pub mod lazy_graph;
 pub mod legs;
 pub mod length;
 pub mod line_of_sight;

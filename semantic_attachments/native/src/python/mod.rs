@@ -4,6 +4,7 @@
 
 mod field;
 mod footprint;
+mod lazy_graph;
 mod traversability;
 
 use numpy::PyReadonlyArray2;
@@ -32,5 +33,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<traversability::Traversability>()?;
     module.add_class::<field::AnyAngleField>()?;
     module.add_class::<footprint::Footprint>()?;
-    module.add_class::<field::Field>()
+    module.add_class::<field::Field>()?;
+    module.add_class::<lazy_graph::LazyGraph>()
 }
