@@ -34,10 +34,27 @@ class EdgeCheck:
         """Whether the way between two vertices is free but for blockades."""
         key = edge if edge[0] < edge[1] or not self._steering.symmetric else edge[::-1]
         if key not in self._free:
-            self._free[key] = self._outline.all_free(
-                self._steering.at(*ends, _FEW)
-            ) and self._outline.all_free(self._steering.poses(*ends, self.step_m))
+            few_are_free = self._outline.all_free(self._steering.at(*ends, _FEW))
+            self._free[key] = few_are_free and (
+                self._is_free_in_strides(*ends)
+                if self._steering.is_costly
+                else self._outline.all_free(self._steering.poses(*ends, self.step_m))
+            )
         return self._free[key]
+
+    def _is_free_in_strides(self, start: Pose, goal: Pose) -> bool:
+        """As far ahead at once as there is room, in single steps near obstacles."""
+        length_m = self._steering.length_m(start, goal)
+        driven_m = 0.0
+        while driven_m < length_m:
+            x, y, heading = self._steering.at(start, goal, (driven_m / length_m,))[0].tolist()
+            room_m = self._outline.room_m((x, y))
+            if room_m <= self.step_m:
+                if not self._outline.is_free(x, y, heading):
+                    return False
+                room_m = self.step_m
+            driven_m += room_m
+        return self._outline.is_free(*goal)
 
     def touches(
         self,

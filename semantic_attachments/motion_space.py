@@ -28,7 +28,7 @@ class MotionSpace:
     ) -> None:
         from ompl import base
 
-        self.space = _space(model)
+        self.space: Any = _space(model)
         bounds = base.RealVectorBounds(2)
         extent_m = (grid.width * grid.resolution_m, grid.height * grid.resolution_m)
         for axis in (0, 1):
@@ -63,7 +63,8 @@ class MotionSpace:
     def length_m(self, poses: list[Pose]) -> float:
         """Length of a motion that steers from pose to pose."""
         states = [self.state(pose) for pose in poses]
-        return sum(self.space.distance(first, second) for first, second in pairwise(states))
+        lengths_m = [float(self.space.distance(*ends)) for ends in pairwise(states)]
+        return sum(lengths_m)
 
 
 def solution(definition: Any) -> list[Pose]:

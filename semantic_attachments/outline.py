@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments._core import Footprint
-from semantic_attachments.grid_map import GridMap
+from semantic_attachments.grid_map import GridMap, PositionM
 from semantic_attachments.robot_model import RobotModel
 from semantic_attachments.world import OCCUPIED_FROM
 
@@ -39,6 +39,12 @@ class Outline:
         corners = hull(model.footprint_m)
         self.outer_radius_m = max((hypot(x, y) for x, y in corners), default=model.radius_m)
         """Radius of the least disc around the reference point that contains the outline [m]."""
+        room_cells = clearance - self.outer_radius_m / grid.resolution_m
+        if forbidden.any():
+            to_terrain = ndimage.distance_transform_edt(~forbidden)
+            room_cells = np.minimum(room_cells, to_terrain)
+        # A position is off its cell's centre, and an obstacle reaches beyond its cell's.
+        self._room_m = (room_cells - 1.5) * grid.resolution_m
         self._footprint = Footprint(
             solid,
             forbidden,
@@ -53,6 +59,12 @@ class Outline:
         return self._footprint.is_free(
             (x - origin[0]) / resolution_m, (y - origin[1]) / resolution_m, heading
         )
+
+    def room_m(self, position_m: PositionM) -> float:
+        """How far the robot may move from a position, whatever its headings; negative if it may
+        not stand there in all of them [m]."""
+        cell = self._grid.cell_at(position_m)
+        return -1.0 if cell is None else float(self._room_m.flat[cell])
 
     def all_free(self, poses: NDArray[np.float64]) -> bool:
         """Whether it can stand at all of (n, 3) poses."""

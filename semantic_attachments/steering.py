@@ -22,9 +22,15 @@ class Steering(Protocol):
     """Whether the way back takes as long and passes the same poses."""
     headings: int
     """Number of headings tried at a place."""
+    is_costly: bool
+    """Whether poses along a motion are costly to compute."""
 
     def duration_s(self, start: Pose, goal: Pose) -> float:
         """Time it takes [s]."""
+        ...
+
+    def length_m(self, start: Pose, goal: Pose) -> float:
+        """How far points of the outline move at most [m]; for cars, the reference point."""
         ...
 
     def poses(self, start: Pose, goal: Pose, step_m: float) -> NDArray[np.float64]:
@@ -40,6 +46,7 @@ class Straight:
     """Drives straight in any direction; a robot whose heading matters turns, too (kind `se2`)."""
 
     symmetric = True
+    is_costly = False
 
     def __init__(self, model: RobotModel, headings: int) -> None:
         self._speed_m_s = model.speed_m_s
@@ -54,11 +61,15 @@ class Straight:
             return driving_s
         return driving_s + abs(_turn(start[2], goal[2])) / self._turn_speed_rad_s
 
-    def poses(self, start: Pose, goal: Pose, step_m: float) -> NDArray[np.float64]:
+    def length_m(self, start: Pose, goal: Pose) -> float:
         length_m = hypot(goal[0] - start[0], goal[1] - start[1])
         if self._turns:
             length_m += abs(_turn(start[2], goal[2])) * self._reach_m
-        return self._along(start, goal, np.linspace(0.0, 1.0, ceil(length_m / step_m) + 1))
+        return length_m
+
+    def poses(self, start: Pose, goal: Pose, step_m: float) -> NDArray[np.float64]:
+        count = ceil(self.length_m(start, goal) / step_m) + 1
+        return self._along(start, goal, np.linspace(0.0, 1.0, count))
 
     def at(self, start: Pose, goal: Pose, shares: tuple[float, ...]) -> NDArray[np.float64]:
         return self._along(start, goal, np.array(shares))
@@ -70,6 +81,8 @@ class Straight:
 
 class Car:
     """Dubins and Reeds-Shepp curves."""
+
+    is_costly = True
 
     def __init__(self, model: RobotModel, headings: int) -> None:
         from ompl import base
@@ -83,11 +96,13 @@ class Car:
         self._between = self.space.allocState()
 
     def duration_s(self, start: Pose, goal: Pose) -> float:
-        return float(self.space.distance(*self._set(start, goal))) / self._speed_m_s
+        return self.length_m(start, goal) / self._speed_m_s
+
+    def length_m(self, start: Pose, goal: Pose) -> float:
+        return float(self.space.distance(*self._set(start, goal)))
 
     def poses(self, start: Pose, goal: Pose, step_m: float) -> NDArray[np.float64]:
-        length_m = self.duration_s(start, goal) * self._speed_m_s
-        count = ceil(length_m / step_m) + 1
+        count = ceil(self.length_m(start, goal) / step_m) + 1
         return self.at(start, goal, tuple(index / max(count - 1, 1) for index in range(count)))
 
     def at(self, start: Pose, goal: Pose, shares: tuple[float, ...]) -> NDArray[np.float64]:
