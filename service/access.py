@@ -15,6 +15,7 @@ from typing import Literal
 
 from fastapi import Request
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from starlette.requests import HTTPConnection
 
 from service.problem_details import ProblemError
 
@@ -105,8 +106,8 @@ class Gate:
     def __init__(self, keys: Sequence[ApiKey]) -> None:
         self._keys = list(keys)
 
-    def caller(self, request: Request) -> Caller:
-        """Whoever sent a request.
+    def caller(self, request: HTTPConnection) -> Caller:
+        """Whoever sent a request, or opened a socket.
 
         Raises:
             ProblemError: 401 without a known key.
