@@ -74,8 +74,11 @@ def test_a_mission_is_driven_over_a_socket(http: httpx.Client) -> None:
             again = http.post(
                 f"{url}/reports", json=report, headers={**by("chief"), "Prefer": "wait=10"}
             ).json()
-            while frame["commands"] != again["commands"]:
+            status = again["mission"]["status"]
+            while frame["commands"] != again["commands"] or frame["mission"]["status"] != status:
                 frame = heard(socket)
+            if frame["mission"]["status"] == "completed":
+                break
             team.obey(frame)
             team.step()
         with pytest.raises(WebSocketDisconnect) as closed:
