@@ -22,6 +22,7 @@ pub mod plan;
 pub mod portfolio;
 pub mod progress;
 pub mod schedule;
+pub mod sequential;
 pub mod solve;
 pub mod syntax;
 pub mod task;

@@ -48,6 +48,8 @@ pub enum Dominance {
     Shifted,
     /// When it is the other one (timed events make every moment different).
     Same,
+    /// Always: times do not count (sequential plans are rescheduled afterwards).
+    Untimed,
 }
 
 struct Node {
@@ -258,8 +260,12 @@ impl Registry {
                 return Comparison::Different;
             }
         }
-        if reader.short() != state.next_timed && self.dominance == Dominance::Same {
+        let clocked = matches!(self.dominance, Dominance::Same | Dominance::Untimed);
+        if reader.short() != state.next_timed && clocked {
             return Comparison::Different;
+        }
+        if self.dominance == Dominance::Untimed && state.running.is_empty() {
+            return Comparison::Known;
         }
         let running = reader.short() as usize;
         reader.short();
@@ -270,7 +276,7 @@ impl Registry {
         let mut known_wins = ahead >= -self.tolerance;
         let mut state_wins = ahead <= -self.tolerance;
         let shift = match self.dominance {
-            Dominance::Earlier => 0.0,
+            Dominance::Earlier | Dominance::Untimed => 0.0,
             Dominance::Shifted => ahead,
             Dominance::Same => {
                 if ahead.abs() > self.tolerance {

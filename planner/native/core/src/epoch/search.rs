@@ -8,6 +8,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use rustc_hash::FxHashSet;
 
 use crate::heuristic::{Estimate, Heuristic};
 use crate::plan::Plan;
@@ -64,6 +65,9 @@ pub struct Statistics {
     pub dead_ends: u64,
 }
 
+/// How states are told apart, and what was met.
+type Fingerprints<'a> = (Box<dyn Fn(&State) -> u64 + 'a>, FxHashSet<u64>);
+
 /// One best-first search.
 pub struct Search<'a> {
     transitions: Transitions<'a>,
@@ -81,6 +85,7 @@ pub struct Search<'a> {
     parent_facts: Vec<u64>,
     marked: Vec<u32>,
     stamp: u32,
+    fingerprints: Option<Fingerprints<'a>>,
     started: bool,
     /// What was done so far.
     pub statistics: Statistics,
@@ -119,10 +124,16 @@ impl<'a> Search<'a> {
             parent_facts: Vec::new(),
             marked: vec![0; compiled.operators.len()],
             stamp: 0,
+            fingerprints: None,
             started: false,
             statistics: Statistics::default(),
             chose_duration: false,
         }
+    }
+
+    /// Drops states whose fingerprint has been met; only for states without a clock.
+    pub fn tell_apart_by(&mut self, fingerprint: Box<dyn Fn(&State) -> u64 + 'a>) {
+        self.fingerprints = Some((fingerprint, FxHashSet::default()));
     }
 
     /// Looks only for plans that end earlier than this [s] from now on.
@@ -133,7 +144,11 @@ impl<'a> Search<'a> {
     /// Bytes held, about.
     #[must_use]
     pub fn memory(&self) -> usize {
-        self.registry.memory() + self.all.memory() + self.preferred.memory()
+        let fingerprints = self.fingerprints.as_ref();
+        self.registry.memory()
+            + self.all.memory()
+            + self.preferred.memory()
+            + fingerprints.map_or(0, |(_, met)| 9 * met.capacity())
     }
 
     /// Searches until a plan below the bound is found (given to `found`), `expansions` more states
@@ -173,6 +188,11 @@ impl<'a> Search<'a> {
                 }
             };
             if !applies || self.state.last_end() >= self.bound {
+                continue;
+            }
+            if let Some((fingerprint, met)) = &mut self.fingerprints
+                && !met.insert(fingerprint(&self.state))
+            {
                 continue;
             }
             let Some(node) = self.registry.insert(&self.state, Some((parent, edge))) else {

@@ -161,6 +161,16 @@ impl<'a> Transitions<'a> {
         Some(state)
     }
 
+    /// Lets time pass until nothing runs; false, leaving the state unspecified, if something fails.
+    pub fn finish(&self, state: &mut State) -> bool {
+        while !state.running.is_empty() {
+            if !self.advance(state) {
+                return false;
+            }
+        }
+        true
+    }
+
     /// Starts an operator with a given duration.
     fn start_lasting(&self, state: &mut State, id: OperatorId, duration: f64) -> bool {
         let operator = self.compiled.operator(id);

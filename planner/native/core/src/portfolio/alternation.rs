@@ -1,5 +1,6 @@
 //! One thread: the two searches take turns, each turn longer than the last.
 
+use std::cell::OnceCell;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -9,6 +10,7 @@ use crate::schedule::{Ending, Limits, Optimiser};
 use crate::solve::SolveError;
 
 use super::incumbent::Incumbent;
+use super::prelude::Prelude;
 use super::{Setting, from_schedule};
 
 /// First turn of the list-schedule search.
@@ -17,6 +19,9 @@ const TURN: Duration = Duration::from_millis(40);
 const TURN_NODES: u64 = 400;
 /// Part of a turn that the decision-epoch search gets once there is a plan.
 const SHARE: f64 = 0.15;
+
+/// Turns of the search for sequential plans, which only a task without a plan gets.
+const PRELUDE_SHARE: f64 = 2.0;
 
 /// Turns in which it gets more: small spaces are exhausted, and proofs found, by then.
 const EARLY: u32 = 4;
@@ -39,12 +44,16 @@ pub(super) fn run(
     let calls = setting.calls();
     let transitions = setting.transitions(&calls);
     let mut search = setting.search(&calls, setting.options.seed);
+    let (compressed, tables) = (OnceCell::new(), OnceCell::new());
+    let mut prelude = Prelude::new();
     let mut optimiser = optimiser;
     let mut epoch_open = true;
     // How the decision-epoch search ended.
     let mut epoch_ended = Outcome::Exhausted;
     let mut turn = 0_u32;
     let mut turns_alone = 0_u32;
+    // Expansions of the search for sequential plans.
+    let mut sequential = 0_u64;
     let mut adopt: Vec<_> = warm.to_vec();
     // Where one action has to start inside another, the list-schedule search is the second choice.
     let epoch_first = setting.completeness.required_concurrency;
@@ -55,7 +64,7 @@ pub(super) fn run(
         if let Some(list_search) = &mut optimiser
             && !(epoch_first && turn == 0 && warm.is_empty())
         {
-            let spent = list_search.nodes() + search.statistics.expansions;
+            let spent = list_search.nodes() + search.statistics.expansions + sequential;
             let nodes = setting
                 .options
                 .node_limit
@@ -97,7 +106,8 @@ pub(super) fn run(
                 (true, _) => 4.0,
                 (false, true) if turn < EARLY => 0.5,
                 (false, true) => SHARE,
-                (false, false) => 1.0,
+                (false, false) if prelude.ended() => 1.0,
+                (false, false) => 0.5,
             };
             let end = Instant::now() + turn_time.mul_f64(share);
             let timed = setting.options.node_limit.is_none();
@@ -166,7 +176,27 @@ pub(super) fn run(
                 return Ok(epoch_ended);
             }
         }
-        if let Some(outcome) = setting.over(incumbent, search.statistics.expansions) {
+        if !incumbent.exists() {
+            let end = Instant::now() + turn_time.mul_f64(PRELUDE_SHARE);
+            let timed = setting.options.node_limit.is_none();
+            let before = prelude.statistics();
+            let found = prelude.run(
+                setting,
+                &compressed,
+                &tables,
+                if timed { u64::MAX >> 1 } else { turn_nodes },
+                &mut || (timed && Instant::now() >= end) || setting.interrupted().is_some(),
+            );
+            let spent = prelude.statistics();
+            sequential += spent.expansions - before.expansions;
+            incumbent.report.evaluations += spent.evaluations - before.evaluations;
+            if let Some(found) = found
+                && incumbent.offer(&found)
+            {
+                adopt = incumbent.operators().to_vec();
+            }
+        }
+        if let Some(outcome) = setting.over(incumbent, search.statistics.expansions + sequential) {
             break Ok(outcome);
         }
         turn += 1;

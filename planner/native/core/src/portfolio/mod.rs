@@ -6,6 +6,7 @@
 
 mod alternation;
 mod incumbent;
+mod prelude;
 mod threads;
 mod warm_start;
 

@@ -1,0 +1,86 @@
+//! First plan of one action after the other: `sequential DOMAIN PROBLEM SECONDS`, for measurements.
+
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+use planner_core::attachment::NoAttachments;
+use planner_core::epoch::calls::Calls;
+use planner_core::epoch::compiled::Compiled;
+use planner_core::epoch::completeness::analyse;
+use planner_core::epoch::registry::Dominance;
+use planner_core::epoch::search::{Parameters, Search};
+use planner_core::epoch::successors::Successors;
+use planner_core::epoch::transitions::Transitions;
+use planner_core::grounding::{GroundingLimits, ground};
+use planner_core::heuristic::relaxed::RelaxedTask;
+use planner_core::heuristic::relaxed_plan::RelaxedPlan;
+use planner_core::pddl::{read_domain, read_problem};
+use planner_core::sequential::compression::compress;
+use planner_core::syntax::source::SourceFile;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let [_, domain, problem, seconds] = arguments.as_slice() else {
+        return Err("usage: sequential DOMAIN PROBLEM SECONDS".into());
+    };
+    let read = |path: &str| -> Result<SourceFile, Box<dyn Error>> {
+        Ok(SourceFile::new(
+            path.to_owned(),
+            std::fs::read_to_string(path)?,
+        ))
+    };
+    let (domain, diagnostics) = read_domain(&read(domain)?);
+    let domain = domain.ok_or_else(|| format!("{diagnostics:?}"))?;
+    let (problem, diagnostics) = read_problem(&read(problem)?, &domain);
+    let problem = problem.ok_or_else(|| format!("{diagnostics:?}"))?;
+    let task = ground(
+        &domain,
+        &problem,
+        &NoAttachments,
+        &GroundingLimits::default(),
+    )?;
+    println!("{:?}", analyse(&task));
+    let task = compress(&task).ok_or("not compressible")?;
+    let compiled = Compiled::new(&task);
+    let relaxed = RelaxedTask::new(&task);
+    let successors = Successors::new(&compiled);
+    let calls = Calls::new(&task, &NoAttachments);
+    let transitions = Transitions {
+        compiled: &compiled,
+        calls: &calls,
+    };
+    let parameters = Parameters {
+        time_weight: 0.0,
+        seed: 0,
+        dominance: Dominance::Untimed,
+        tolerance: 0.0,
+        memory: 2 << 30,
+    };
+    let symmetry = planner_core::sequential::symmetry::Symmetry::new(&task);
+    let heuristic = Box::new(RelaxedPlan::new(&compiled, &relaxed));
+    let mut search = Search::new(transitions, &successors, heuristic, parameters);
+    let begun = Instant::now();
+    if let Some(symmetry) = &symmetry {
+        println!(
+            "classes {:?} after {:.3} s",
+            symmetry.classes,
+            begun.elapsed().as_secs_f64()
+        );
+        search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
+    }
+    let limit = Duration::from_secs_f64(seconds.parse()?);
+    let mut steps = 0;
+    let status = search.run(
+        u64::MAX >> 1,
+        &mut || begun.elapsed() > limit,
+        &mut |found| steps = found.steps.len(),
+    );
+    println!(
+        "{status:?} {steps} steps, {:.2} s, operators {} relaxed {} {:?}",
+        begun.elapsed().as_secs_f64(),
+        task.operators.len(),
+        relaxed.actions.len(),
+        search.statistics
+    );
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! The search for a first plan of one action after the other, while there is none.
+
+use std::cell::OnceCell;
+
+use crate::attachment::NoAttachments;
+use crate::epoch::calls::Calls;
+use crate::epoch::compiled::Compiled;
+use crate::epoch::registry::Dominance;
+use crate::epoch::search::{Found, Parameters, Search, Statistics, Status};
+use crate::epoch::successors::Successors;
+use crate::epoch::transitions::Transitions;
+use crate::heuristic::relaxed::RelaxedTask;
+use crate::heuristic::relaxed_plan::RelaxedPlan;
+use crate::sequential::compression::compress;
+use crate::sequential::symmetry::Symmetry;
+use crate::sequential::timing::one_after_the_other;
+use crate::task::{OperatorId, Task};
+
+use super::{Setting, TOLERANCE};
+
+/// What the search looks things up in; made when it is first needed.
+pub(super) struct Tables<'t> {
+    compiled: Compiled<'t>,
+    relaxed: RelaxedTask,
+    successors: Successors,
+    calls: Calls<'t>,
+    symmetry: Option<Symmetry>,
+}
+
+impl<'t> Tables<'t> {
+    fn new(task: &'t Task) -> Self {
+        let compiled = Compiled::new(task);
+        Self {
+            relaxed: RelaxedTask::new(task),
+            successors: Successors::new(&compiled),
+            calls: Calls::new(task, &NoAttachments),
+            symmetry: Symmetry::new(task),
+            compiled,
+        }
+    }
+}
+
+/// A search that begins with its first turn and ends with its first plan.
+pub(super) struct Prelude<'s> {
+    search: Option<Search<'s>>,
+    ended: bool,
+}
+
+impl<'s> Prelude<'s> {
+    /// Not begun.
+    pub(super) fn new() -> Self {
+        Self {
+            search: None,
+            ended: false,
+        }
+    }
+
+    /// Whether there is nothing more to do.
+    pub(super) fn ended(&self) -> bool {
+        self.ended
+    }
+
+    /// What was done so far.
+    pub(super) fn statistics(&self) -> Statistics {
+        let search = self.search.as_ref();
+        search.map_or_else(Statistics::default, |search| search.statistics)
+    }
+
+    /// Searches for `expansions` more states; a plan, timed one step after the other, if that
+    /// found one.
+    pub(super) fn run<'t: 's>(
+        &mut self,
+        setting: &Setting<'_>,
+        task: &'t OnceCell<Option<Task>>,
+        tables: &'s OnceCell<Tables<'t>>,
+        expansions: u64,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Option<Found> {
+        if self.ended {
+            return None;
+        }
+        if self.search.is_none() {
+            let overlap = setting.completeness.required_concurrency;
+            let compressed = task.get_or_init(|| (!overlap).then(|| compress(setting.task))?);
+            let Some(compressed) = compressed else {
+                self.ended = true;
+                return None;
+            };
+            let tables = tables.get_or_init(|| Tables::new(compressed));
+            self.search = Some(search(setting, tables));
+        }
+        let mut found = None;
+        let status = self
+            .search
+            .as_mut()?
+            .run(expansions, stop, &mut |plan| found = Some(plan));
+        if status != Status::Interrupted {
+            self.ended = true;
+        }
+        let calls = setting.calls();
+        let operators: Vec<OperatorId> = found?.steps.iter().map(|step| step.0).collect();
+        one_after_the_other(&setting.transitions(&calls), &operators)
+    }
+}
+
+fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>) -> Search<'s> {
+    let transitions = Transitions {
+        compiled: &tables.compiled,
+        calls: &tables.calls,
+    };
+    let parameters = Parameters {
+        time_weight: 0.0,
+        seed: setting.options.seed,
+        dominance: Dominance::Untimed,
+        tolerance: TOLERANCE,
+        memory: setting.options.memory_limit / 2,
+    };
+    let heuristic = Box::new(RelaxedPlan::new(&tables.compiled, &tables.relaxed));
+    let mut search = Search::new(transitions, &tables.successors, heuristic, parameters);
+    if let Some(symmetry) = &tables.symmetry {
+        search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
+    }
+    search
+}
