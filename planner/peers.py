@@ -70,7 +70,7 @@ def solve_with_peer(
 ) -> Result:
     """Runs a peer; raises `PeerError` with one sentence where it is not installed."""
     peer = PEERS[name]
-    where = _find(name, peer)
+    where = find_peer(name, peer)
     plain = compile_attachments(problem, attachments)
     begun = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="marsupial-peer-") as folder:
@@ -94,7 +94,7 @@ def solve_with_peer(
     )
 
 
-def _find(name: str, peer: Peer) -> str:
+def find_peer(name: str, peer: Peer) -> str:
     """The program or package folder."""
     if peer.command is not None:
         # A program installed beside this Python is found without an activated environment.

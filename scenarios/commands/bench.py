@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -29,6 +31,18 @@ def bench(
     resume: Annotated[
         bool, typer.Option("--resume", help="Do only the runs of a suite that are missing.")
     ] = False,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, help="CPU seconds a run, for topics that have runs.", show_default=False
+        ),
+    ] = None,
+    domains: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--domains", help="Only families with this word; may be repeated.", show_default=False
+        ),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for results.")] = Path("out/bench"),
 ) -> None:
     """Measure speed and quality, or run a suite of missions and compare strategies.
@@ -49,7 +63,8 @@ def bench(
         for name in known:
             _measure(name, out / name, quick=quick)
     elif topic in known:
-        _measure(topic, out / topic, quick=quick)
+        chosen = {"seconds": seconds, "domains": tuple(domains or ()), "resume": resume}
+        _measure(topic, out / topic, quick=quick, chosen=chosen)
     elif topic in suites or topic.endswith(".toml"):
         from scenarios.batch.command import run_suite
 
@@ -66,9 +81,15 @@ def suite_files() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 
-def _measure(name: str, folder: Path, *, quick: bool) -> None:
+def _measure(
+    name: str, folder: Path, *, quick: bool, chosen: Mapping[str, object] | None = None
+) -> None:
     module = import_module(f"scenarios.benchmarks.{name}")
     folder.mkdir(parents=True, exist_ok=True)
-    table: str = module.run(quick=quick, out=folder)
+    known = signature(module.run).parameters
+    given = {key: value for key, value in (chosen or {}).items() if value}
+    if unknown := sorted(given.keys() - known.keys()):
+        raise CommandError(f"{name} has no option --{unknown[0]}")
+    table: str = module.run(quick=quick, out=folder, **given)
     (folder / "results.md").write_text(table, encoding="utf-8")
     typer.echo(table)
