@@ -23,6 +23,11 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
         "Run the hospital mission and write its report.",
     ),
     "run": ("scenarios.commands.run:run", "Missions", "Run a scenario file."),
+    "replay": (
+        "scenarios.commands.replay:replay",
+        "Missions",
+        "Play a mission again from its log.",
+    ),
     "bench": (
         "scenarios.commands.bench:bench",
         "Missions",

@@ -125,6 +125,8 @@ class MissionRecord:
     blockades: tuple[BlockadeRecord, ...]
     decisions: tuple[DecisionRecord, ...]
     plans: tuple[PlanRecord, ...]
+    mission: str | None = None
+    """its id, if this is what a service's log tells: nobody knows of touches or hidden blockades"""
 
     @property
     def completed(self) -> bool:

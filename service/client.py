@@ -27,7 +27,7 @@ from pydantic import BaseModel, TypeAdapter
 
 from service.connection import Connection, Patience, ServiceError
 from service.coordination.events import Event, from_json
-from service.event_stream import followed
+from service.event_stream import followed, parsed
 from service.messages.instruction import Instruction, InstructionStatus
 from service.messages.map_grid import MapMessage
 from service.messages.mission import MissionRequest, RobotMessage, TargetMessage
@@ -114,6 +114,12 @@ class Client:
         path = f"/v1/missions/{mission_id}/events"
         for event in followed(self.connection, path, last, _MISSION_ENDS):
             yield int(event.id), from_json(event.data)
+
+    def log(self, mission_id: str) -> list[tuple[int, Event]]:
+        """What has happened to a mission so far, with numbers."""
+        answer = self._get(f"/v1/missions/{mission_id}/events?follow=false")
+        lines = answer.text.split("\n")
+        return [(int(event.id), from_json(event.data)) for event in parsed(lines)]
 
     # People
 

@@ -6,29 +6,47 @@ import json
 from html import escape
 from importlib.resources import files
 from pathlib import Path
+from typing import Protocol
 
-from scenarios.composition import Composition
+import numpy as np
+from numpy.typing import NDArray
+
 from scenarios.mission_record import MissionRecord
 from scenarios.report import tables
 from scenarios.report.gantt import gantt
 from scenarios.report.map_figure import map_figure, thinned
 
 
-def write_report(path: Path, record: MissionRecord, composition: Composition) -> Path:
+class Ground(Protocol):
+    """The map that a report draws."""
+
+    @property
+    def cells(self) -> NDArray[np.int8]:
+        """`(height, width)`, row 0 at the bottom"""
+
+    @property
+    def resolution_m(self) -> float:
+        """Width of a cell."""
+
+    @property
+    def origin_m(self) -> tuple[float, float]:
+        """Lower left corner of cell (0, 0)."""
+
+
+def write_report(path: Path, record: MissionRecord, composition: Ground) -> Path:
     """Writes the report and returns its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page(record, composition), encoding="utf-8")
     return path
 
 
-def page(record: MissionRecord, composition: Composition) -> str:
+def page(record: MissionRecord, composition: Ground) -> str:
     """The HTML of the report."""
     room = files("scenarios.report")
     style = room.joinpath("style.css").read_text(encoding="utf-8")
     player = room.joinpath("player.js").read_text(encoding="utf-8")
     figure = map_figure(record, composition.cells, composition.resolution_m, composition.origin_m)
     state = "good" if record.completed else "bad"
-    sealed = f"{record.sealed_fraction:.0%}"
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -43,7 +61,7 @@ def page(record: MissionRecord, composition: Composition) -> str:
 <main>
 <header>
 <h1>{escape(record.scenario)} <span class="status {state}">{escape(record.status)}</span></h1>
-<p>{_sentence(record)} {sealed} of the targets lay behind blockades that nobody knew of.</p>
+<p>{_sentence(record)} {_hidden(record)}</p>
 </header>
 {tables.headline(record)}
 <section>
@@ -79,7 +97,7 @@ player (at first the first plan). Triangles: decisions; point at one for its rea
 {tables.decisions(record)}
 </section>
 <footer>marsupial {escape(record.version)}, strategy {escape(record.strategy)},
-domain {escape(record.domain)}, seed {record.seed}, computed in {record.wall_s:.1f} s</footer>
+domain {escape(record.domain)}, {_source(record)}</footer>
 </main>
 <script type="application/json" id="mission">{_moving(record, composition)}</script>
 <script>
@@ -102,6 +120,18 @@ def _sentence(record: MissionRecord) -> str:
     ).capitalize()
 
 
+def _hidden(record: MissionRecord) -> str:
+    if record.mission is not None:
+        return "What is shown is what the service knew."
+    return f"{record.sealed_fraction:.0%} of the targets lay behind blockades that nobody knew of."
+
+
+def _source(record: MissionRecord) -> str:
+    if record.mission is not None:
+        return f"from the log of mission {escape(record.mission)}"
+    return f"seed {record.seed}, computed in {record.wall_s:.1f} s"
+
+
 def _legend(record: MissionRecord) -> str:
     robots = "".join(
         f'<li><i class="key line robot-{k % 8}"></i>{escape(robot.id)}</li>'
@@ -116,7 +146,7 @@ def _legend(record: MissionRecord) -> str:
     )
 
 
-def _moving(record: MissionRecord, composition: Composition) -> str:
+def _moving(record: MissionRecord, composition: Ground) -> str:
     """What the player needs: trails in the figure's coordinates."""
     height_m = composition.cells.shape[0] * composition.resolution_m
     x0, y0 = composition.origin_m

@@ -12,7 +12,11 @@ def headline(record: MissionRecord) -> str:
     """The numbers to see first."""
     visited = len(record.targets) - record.targets_left
     figures = [
-        (clock(record.duration_s), "mission time", "min:s, simulated"),
+        (
+            clock(record.duration_s),
+            "mission time",
+            "min:s" + ("" if record.mission else ", simulated"),
+        ),
         (f"{visited} / {len(record.targets)}", "targets visited", ""),
         (
             f"{record.blockades_seen} / {len(record.blockades)}",
@@ -26,8 +30,10 @@ def headline(record: MissionRecord) -> str:
             f"{record.one_step_plans} one-step orders" if record.one_step_plans else "",
         ),
         (f"{record.distance_m:.0f} m", "driven by all robots", ""),
-        (str(record.wall_collisions + record.robot_collisions), "collisions", "walls and robots"),
     ]
+    if record.mission is None:
+        touches = record.wall_collisions + record.robot_collisions
+        figures.append((str(touches), "collisions", "walls and robots"))
     return element(
         "dl",
         "".join(

@@ -4,7 +4,7 @@ from collections.abc import AsyncIterator
 from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, Header
+from fastapi import APIRouter, Depends, Header, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.access import needs
@@ -37,8 +37,11 @@ async def events(
     found: CoordinatorOf,
     all_missions: Annotated[Missions, Depends(missions)],
     wanted: Annotated[int, Depends(first_wanted)],
+    follow: Annotated[bool, Query(description="Whether to wait for more events.")] = True,
 ) -> AsyncIterator[ServerSentEvent]:
     """Everything that happened to the mission and happens from now on; ends with the mission.
+
+    With `follow=false` it ends with what has happened so far.
 
     Ids are the numbers of the events: a client that lost the connection goes on after the
     `Last-Event-ID` it sends.
@@ -55,6 +58,6 @@ async def events(
             wanted = number + 1
         if len(batch) == BATCH:
             continue
-        if found.mission.is_over and wanted >= found.mission.events:
+        if (found.mission.is_over or not follow) and wanted >= found.mission.events:
             return
         await found.news(wanted, SILENCE_S)

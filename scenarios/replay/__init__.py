@@ -1,0 +1,1 @@
+"""A mission played again from its event log."""
