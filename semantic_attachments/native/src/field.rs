@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::octile;
-use crate::shape::{STEP_LENGTHS, Shape};
+use crate::shape::Shape;
+use crate::weighted::step_length;
 
 /// Length of the shortest path to each cell.
 #[derive(Clone, Debug)]
@@ -39,7 +40,8 @@ pub fn mean_factor(factors: &[f32], from: usize, to: usize) -> f64 {
 #[must_use]
 #[inline]
 pub fn weighted_step(factors: Option<&[f32]>, from: usize, to: usize, step: usize) -> f64 {
-    STEP_LENGTHS[step] * factors.map_or(1.0, |factors| mean_factor(factors, from, to))
+    let factor = |cell: usize| factors.map_or(1.0, |factors| factors[cell]);
+    step_length(step, factor(from), factor(to))
 }
 
 impl Field {

@@ -29,6 +29,7 @@ pub mod reach;
 pub mod repair;
 pub mod shape;
 pub mod traversability;
+pub mod weighted;
 
 #[cfg(feature = "python")]
 mod python;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::buckets::Buckets;
 use crate::canonical::canonical_lengths;
-use crate::field::{Field, Lengths, weighted_step};
-use crate::shape::{STEP_LENGTHS, Shape};
+use crate::field::{Field, Lengths};
+use crate::shape::Shape;
+use crate::weighted::weighted_lengths;
 
 /// Grows the shortest-path tree of `source` over the allowed `moves`.
 ///
@@ -22,8 +22,8 @@ pub fn one_to_all(
         Some(_) => None,
     };
     let factors = multiplier.as_ref().map(|factors| &factors[..]);
-    let lengths =
-        octile.unwrap_or_else(|| Lengths::Weighted(weighted(shape, &moves, source, factors)));
+    let lengths = octile
+        .unwrap_or_else(|| Lengths::Weighted(weighted_lengths(shape, &moves, source, factors)));
     Field {
         shape,
         source,
@@ -33,48 +33,12 @@ pub fn one_to_all(
     }
 }
 
-/// Dijkstra's algorithm with buckets; complexity `O(cells + longest distance)`.
-fn weighted(shape: Shape, moves: &[u8], source: u32, factors: Option<&[f32]>) -> Vec<f64> {
-    let largest = factors.map_or(1.0, |f| f64::from(f.iter().copied().fold(1.0, f32::max)));
-    let offsets = shape.offsets();
-    let mut lengths = vec![f64::INFINITY; shape.len()];
-    lengths[source as usize] = 0.0;
-    // No edge is shorter than 1, the width of a bucket.
-    let mut buckets = Buckets::new((largest * std::f64::consts::SQRT_2).ceil() as usize + 1);
-    buckets.push(0, source);
-    while let Some((number, cells)) = buckets.pop() {
-        for &cell in &cells {
-            let from = cell as usize;
-            let length = lengths[from];
-            if length as u64 != number {
-                continue; // a shorter path settled it in an earlier bucket
-            }
-            let mut open = moves[from];
-            while open != 0 {
-                let step = open.trailing_zeros() as usize;
-                open &= open - 1;
-                let to = (from as isize + offsets[step]) as usize;
-                let known = lengths[to];
-                if known <= length + STEP_LENGTHS[step] {
-                    continue; // multipliers are at least 1
-                }
-                let reached = length + weighted_step(factors, from, to, step);
-                if reached < known {
-                    lengths[to] = reached;
-                    buckets.push(reached as u64, to as u32);
-                }
-            }
-        }
-        buckets.give_back(cells);
-    }
-    lengths
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::field::mean_factor;
     use crate::moves::all_moves;
+    use crate::shape::STEP_LENGTHS;
     use proptest::prelude::*;
 
     /// Bellman-Ford: relaxes all edges until nothing changes.
