@@ -1,6 +1,7 @@
 """The attachments of the grid."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -33,7 +34,10 @@ def test_a_memory_carries_path_costs_over(two_rooms: World) -> None:
     memory = Memory()
     first = bind(["pathCost"], two_rooms, memory=memory)["pathCost"]
     first("robot", "west", "door")
-    second = bind(["pathCost"], two_rooms, memory=memory)["pathCost"]
+    again = bind(["pathCost"], two_rooms, memory=memory)["pathCost"]
+    assert again.inner is first.inner
+    later = replace(two_rooms, version=1)
+    second = bind(["pathCost"], later, memory=memory)["pathCost"]
     second("robot", "west", "door")
     costs = second.inner
     assert isinstance(costs, PathCosts)
