@@ -8,6 +8,7 @@ pub mod octree;
 pub mod raycast;
 pub mod scene;
 pub mod timed_route;
+pub mod travel;
 
 #[cfg(feature = "python")]
 mod python;

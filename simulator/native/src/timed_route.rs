@@ -9,7 +9,8 @@ use std::collections::BinaryHeap;
 use std::collections::hash_map::{Entry, HashMap};
 
 use crate::floor::{Point, distance};
-use crate::lattice::{Distances, Lattice};
+use crate::lattice::Lattice;
+use crate::travel::Distances;
 
 /// Another robot's announced motion: positions every `period_s`, the last one for ever.
 pub struct Motion {

@@ -5,9 +5,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::floor::{Floor, Point, Segment};
-use crate::lattice::{Body, Distances, Lattice};
+use crate::lattice::{Body, Lattice};
 use crate::raycast::{Obstacles, scan};
 use crate::timed_route::{Motion, Window, timed_route};
+use crate::travel::Distances;
 
 type Quad = (f64, f64, f64, f64);
 type Disc = (f64, f64, f64);
