@@ -17,7 +17,8 @@ class BatchAttachment(Protocol):
 
     With an attribute `purity` other than "arguments", the value depends on the state: the
     planner then calls `many(calls, state)` and keeps no value. `state.holds("at", "e1", "a")`
-    and `state.value("energy", "e1")` read it.
+    and `state.value("energy", "e1")` read it. An attribute `quality` limits what a search can
+    prove with the values (`planner.proofs`).
     """
 
     def many(self, calls: Sequence[tuple[str, ...]]) -> Sequence[float]:

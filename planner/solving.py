@@ -12,6 +12,7 @@ from planner.attachments import Attachments, as_dict, attachment_error
 from planner.diagnostics import InternalError, PlannerError
 from planner.outcome import Outcome
 from planner.plan import Plan, steps_of, tuples_of
+from planner.proofs import proved, weakest_quality
 from planner.reading import DomainLike, InputError, ProblemLike, read_problem
 
 POLL_S = 0.1
@@ -188,6 +189,7 @@ def improving_plans(
 ) -> Generator[Plan, None, Result]:
     """What `solve` and `solve_anytime` do; `on_wait` is called while there is no new plan."""
     begun = time.monotonic()
+    quality = weakest_quality(attachments, [module.name for module in problem.domain.modules])
     search = _core.Search(
         problem,
         as_dict(attachments),
@@ -215,7 +217,9 @@ def improving_plans(
                 yield plan
             elif event.report is not None:
                 wall_s = time.monotonic() - begun
-                return _result(event.report, tuple(plans), wall_s, cpu_timed_out)
+                result = _result(event.report, tuple(plans), wall_s, cpu_timed_out)
+                outcome, lower_bound = proved(result.outcome, result.lower_bound, quality)
+                return replace(result, outcome=outcome, lower_bound=lower_bound)
             else:
                 raise _fault(event)
             if limits.cpu_timeout_s is not None and time.process_time() >= limits.cpu_timeout_s:

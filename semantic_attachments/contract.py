@@ -57,7 +57,7 @@ class Purity(StrEnum):
 
 
 class Quality(StrEnum):
-    """How a cost relates to the true one."""
+    """How a cost relates to the true one: what a search can prove with it (`planner.proofs`)."""
 
     EXACT = "exact"
     LOWER_BOUND = "lower bound"

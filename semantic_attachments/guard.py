@@ -35,13 +35,14 @@ _underway: ContextVar[tuple[int, ...]] = ContextVar("underway", default=())
 
 class Guarded:
     """A bound attachment as the planner asks it; `purity` tells the planner whether to pass the
-    state."""
+    state, `quality` what it can prove with the values."""
 
     def __init__(
         self, attachment: Attachment, function: Callable[..., Any], time_limit_s: float | None
     ) -> None:
         self.attachment = attachment
         self.purity = str(attachment.purity)
+        self.quality = str(attachment.quality)
         self._function = function
         self._limit = TimeLimit(time_limit_s)
         self._lock = RLock()

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from time import monotonic
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import planner
 
@@ -39,6 +39,7 @@ class Optimistic:
     """An evaluator that answers with true costs where they are known and with bounds elsewhere."""
 
     purity = "arguments"
+    quality = "lower bound"
 
     def __init__(self, attachment: Refinable) -> None:
         self.known: dict[Call, float] = {}
@@ -69,6 +70,7 @@ class Optimistic:
 class Known:
     """An evaluator of the costs that are known; without its cost an action cannot be."""
 
+    quality: ClassVar[str] = "approximate"
     known: Mapping[Call, float]
 
     def __call__(self, *arguments: str) -> float:
