@@ -14,6 +14,7 @@ from service.coordination.ports import Planners
 from service.coordination.registry import Missions
 from service.coordination.replanning import LoopParameters
 from service.coordination.strategies import all_strategies
+from service.draining import Draining
 from service.jobs.executors import executor, release
 from service.jobs.mission_planning import MissionPlanning
 from service.jobs.planning_requests import PlanningRequests
@@ -106,6 +107,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             max_missions=settings.max_missions,
             max_map_cells=settings.max_map_cells,
         )
+        app.state.draining.then(app.state.missions.hush)
+        app.state.draining.then(app.state.planning_requests.hush)
         await app.state.missions.restore()
         await app.state.planning_requests.restore()
         try:
@@ -127,6 +130,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.metrics = metrics
+    app.state.draining = Draining()
     app.state.gate = Gate(settings.api_keys)
     app.add_middleware(Observation, metrics=metrics)
     problem_details.install(app)

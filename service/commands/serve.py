@@ -6,6 +6,7 @@ import logging
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from types import FrameType
 from typing import Annotated, NoReturn, cast, get_args
 
 import typer
@@ -14,6 +15,7 @@ import uvicorn
 from service.access import ApiKey, KeyFileError, read_keys
 from service.app import create_app
 from service.commands.exit_codes import INPUT_ERROR, USAGE_ERROR
+from service.draining import Draining
 from service.settings import ExecutorName, Settings
 from service.store.engine import DatabaseUrlError, connect
 
@@ -84,14 +86,34 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         planning_processes=request_workers,
         planning_memory_mb=worker_memory_mb,
     )
-    uvicorn.run(
-        create_app(settings),
-        host=host,
-        port=port,
-        log_config=None,
-        access_log=False,
-        timeout_graceful_shutdown=DRAIN_S,
+    app = create_app(settings)
+    server = DrainingServer(
+        uvicorn.Config(
+            app,
+            host=host,
+            port=port,
+            log_config=None,
+            access_log=False,
+            timeout_graceful_shutdown=DRAIN_S,
+        ),
+        app.state.draining,
     )
+    server.run()
+    if not server.started:
+        raise typer.Exit(INPUT_ERROR)
+
+
+class DrainingServer(uvicorn.Server):
+    """Ends the streams when it is asked to stop; they would keep it waiting."""
+
+    def __init__(self, config: uvicorn.Config, draining: Draining) -> None:
+        super().__init__(config)
+        self._draining = draining
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """SIGTERM or SIGINT."""
+        self._draining.begin()
+        super().handle_exit(sig, frame)
 
 
 def _keys(path: Path | None) -> list[ApiKey]:

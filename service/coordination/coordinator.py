@@ -195,6 +195,10 @@ class Coordinator:
         """Waits until the mission has more than `after` events; false if it has not in time."""
         return await self._ledger.news(after, timeout_s)
 
+    def hush(self) -> None:
+        """Sends all listeners away: the service is to stop."""
+        self._ledger.hush()
+
     def latest(self, first_number: int) -> list[tuple[int, Event]]:
         """The events from `first_number` on with their numbers; empty if they are not at hand."""
         return self._ledger.latest(first_number)

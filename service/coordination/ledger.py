@@ -27,6 +27,7 @@ class Ledger:
         self._lock = asyncio.Lock()
         self._in_doubt = False
         self._news = asyncio.Event()
+        self._hushed = False
         self._latest: deque[tuple[int, Event]] = deque(maxlen=LATEST_KEPT)
 
     @asynccontextmanager
@@ -71,12 +72,20 @@ class Ledger:
         await self.record([MissionClosed(time_s=self.mission.time_s, status=status, reason=reason)])
 
     async def news(self, after: int, timeout_s: float) -> bool:
-        """Waits until the mission has more than `after` events; false if it has not in time."""
+        """Waits until the mission has more than `after` events; false if it has not in time.
+
+        Once the ledger is hushed nobody waits any more.
+        """
         deadline = asyncio.get_running_loop().time() + timeout_s
-        while self.mission.events <= after:
+        while self.mission.events <= after and not self._hushed:
             left_s = deadline - asyncio.get_running_loop().time()
             try:
                 await asyncio.wait_for(self._news.wait(), max(left_s, 0.0))
             except TimeoutError:
                 return False
-        return True
+        return self.mission.events > after
+
+    def hush(self) -> None:
+        """Sends all listeners away."""
+        self._hushed = True
+        self._news.set()

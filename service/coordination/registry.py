@@ -144,6 +144,11 @@ class Missions:
         """A mission's events with their numbers, from `first_number`; reads the log."""
         return list(self._store.numbered(mission_id, first_number, limit))
 
+    def hush(self) -> None:
+        """Sends all listeners away: the service is to stop."""
+        for coordinator in self._open.values():
+            coordinator.hush()
+
     async def stop(self) -> None:
         """Stops all loops; every mission goes on when the service is started again."""
         for coordinator in self._open.values():

@@ -49,6 +49,7 @@ class PlanningRequests:
         self._executor = executor
         self._domains = domains
         self._open: dict[str, Following] = {}
+        self._hushed = False
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def restore(self) -> int:
@@ -139,9 +140,16 @@ class PlanningRequests:
             while number < len(following.told):
                 yield number, following.told[number]
                 number += 1
-            if following.is_over:
+            if following.is_over or self._hushed:
                 return
             await following.news.wait()
+
+    def hush(self) -> None:
+        """Sends all listeners away: the service is to stop."""
+        self._hushed = True
+        for following in self._open.values():
+            following.news.set()
+            following.news = asyncio.Event()
 
     async def close(self) -> None:
         """Lets go of everything; what has not ended starts again with the service."""

@@ -4,11 +4,12 @@ from collections.abc import AsyncIterator
 from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, Header, Query
+from fastapi import APIRouter, Depends, Header, Query, Request
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.access import needs
 from service.coordination.registry import Missions
+from service.draining import Draining
 from service.problem_details import invalid
 from service.routes.missions import CoordinatorOf, missions
 
@@ -32,11 +33,18 @@ async def first_wanted(last_event_id: Annotated[str | None, Header()] = None) ->
     return int(last_event_id) + 1
 
 
+async def draining_of(request: Request) -> Draining:
+    """Whether the service has been asked to stop."""
+    found: Draining = request.app.state.draining
+    return found
+
+
 @ROUTER.get("/events", response_class=EventSourceResponse)
 async def events(
     found: CoordinatorOf,
     all_missions: Annotated[Missions, Depends(missions)],
     wanted: Annotated[int, Depends(first_wanted)],
+    draining: Annotated[Draining, Depends(draining_of)],
     follow: Annotated[bool, Query(description="Whether to wait for more events.")] = True,
 ) -> AsyncIterator[ServerSentEvent]:
     """Everything that happened to the mission and happens from now on; ends with the mission.
@@ -60,4 +68,6 @@ async def events(
             continue
         if (found.mission.is_over or not follow) and wanted >= found.mission.events:
             return
+        if draining.begun:
+            return  # the client goes on where it was with the next service
         await found.news(wanted, SILENCE_S)

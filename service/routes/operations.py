@@ -24,6 +24,10 @@ async def healthz() -> dict[str, str]:
 @ROUTER.get("/readyz")
 async def readyz(request: Request) -> dict[str, str]:
     """The service can take work: its database answers and it is not shutting down."""
+    if request.app.state.draining.begun:
+        raise ProblemError(
+            HTTPStatus.SERVICE_UNAVAILABLE, "not-ready", "the service is shutting down"
+        )
     store: EventStore = request.app.state.store
     if not await anyio.to_thread.run_sync(store.is_writable):
         raise ProblemError(

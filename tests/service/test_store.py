@@ -36,6 +36,12 @@ def test_sqlite_commits_are_on_disk_when_they_return(tmp_path: Path) -> None:
     engine.dispose()
 
 
+KILL_CONNECTIONS = (
+    "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
+    "WHERE backend_type = 'client backend' AND pid <> pg_backend_pid()"
+)
+
+
 @pytest.mark.parametrize("url", ["nonsense", "mysql://x/y", "carrier-pigeon://coop"])
 def test_a_url_that_is_none_gets_a_sentence(url: str) -> None:
     with pytest.raises(DatabaseUrlError, match="sqlite:///FILE"):
@@ -55,6 +61,12 @@ def test_missions_and_plans_on_postgresql() -> None:
             url = client.post("/v1/missions", json=team.mission(ROOMS, TARGETS)).headers["location"]
             for step in range(10):
                 report = team.report()
+                if step == 3:
+                    # The administrator, or a firewall, ends every connection of the service.
+                    engine = connect(server.url)
+                    with engine.connect() as connection:
+                        connection.exec_driver_sql(KILL_CONNECTIONS)
+                    engine.dispose()
                 if step == 5:
                     server.stop()
                     refused = client.post(f"{url}/reports", json=report)
