@@ -141,12 +141,12 @@ def test_a_service_whose_clock_jumps_keeps_its_order(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.slow
 @settings(
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(st.data())
 def test_duplicates_and_reordering_execute_nothing_twice(data: st.DataObject) -> None:
     team = fleet()
-    with serving(create_app(Settings(database_url="sqlite://"))) as client:
+    with serving(create_app(Settings(database_url="sqlite://", executor="threads"))) as client:
         url = client.post("/v1/missions", json=team.mission(ROOMS, TARGETS)).headers["location"]
         sent: list[dict[str, Any]] = []
         delayed: list[dict[str, Any]] = []
