@@ -94,7 +94,7 @@ class Conversation:
             if fresh != told:
                 await self._send("commands", answer)
                 told = fresh
-            if is_over:
+            if is_over or self._socket.app.state.draining.begun:
                 return
             await found.news(events, SILENCE_S)
 
