@@ -97,6 +97,17 @@ class Formulation(ABC):
     def orders(self, step: Step, names: Names) -> Sequence[Order]:
         """The orders that a step means, one for each robot taking part."""
 
+    def departing(
+        self, action: str, ids: tuple[str, ...], robot: RobotState, state: MissionState
+    ) -> Sequence[tuple[str, tuple[str, ...]]]:
+        """A step of an older plan as its robot, which is somewhere else now, would begin it.
+
+        Actions and ids of their arguments; more than one if it has to get there first. A step that
+        does not depend on where its robot is stays as it is.
+        """
+        del robot, state
+        return [(action, ids)]
+
     @abstractmethod
     def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
         """Ids of the targets that the team can visit, as far as is known (delete relaxation)."""

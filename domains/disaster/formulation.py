@@ -5,7 +5,7 @@ from pathlib import Path
 
 from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of, reachable
 from domains.geometry_text import write_location, write_robot
-from domains.mission_state import Activity, MissionState
+from domains.mission_state import Activity, MissionState, RobotState
 from domains.naming import Names
 from domains.pddl_text import ProblemText
 from planner import Step
@@ -60,6 +60,16 @@ class DisasterFormulation(Formulation):
             case _:
                 raise ValueError(f"the disaster domain has no action {step.action!r}")
         return [Order(robot, kind, location)]
+
+    def departing(
+        self, action: str, ids: tuple[str, ...], robot: RobotState, state: MissionState
+    ) -> Sequence[tuple[str, tuple[str, ...]]]:
+        here, begins_at = place_of(robot.id), ids[1]
+        if begins_at in {blockade.id for blockade in state.blockades}:
+            return [("move", (robot.id, here, begins_at)), (action, ids)]
+        if action == "clear":
+            return [(action, ids)]
+        return [(action.removesuffix("-from-blockade"), (robot.id, here, *ids[2:]))]
 
     def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
         names = self.names(state)

@@ -79,6 +79,15 @@ class MarsupialFormulation(Formulation):
             case _:
                 raise ValueError(f"the marsupial domain has no action {step.action!r}")
 
+    def departing(
+        self, action: str, ids: tuple[str, ...], robot: RobotState, state: MissionState
+    ) -> Sequence[tuple[str, tuple[str, ...]]]:
+        if action not in ("move", "explore"):
+            return [(action, ids)]
+        meetings = {meeting.id for meeting in state.meeting_points}
+        here = robot.arrived_at if robot.arrived_at in meetings else place_of(robot.id)
+        return [(action, (robot.id, str(here), *ids[2:]))]
+
     def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
         names = self.names(state)
         goals = [names.name(target.id) for target in state.targets]

@@ -52,6 +52,21 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
     worker_memory_mb: Annotated[
         int, typer.Option(min=256, help="Address space of a planning worker [MiB].")
     ] = 4096,
+    give_up_s: Annotated[
+        float,
+        typer.Option(
+            min=1.0,
+            help="A robot that is late by that much and stands still has failed its command "
+            "[s, fleet clock].",
+        ),
+    ] = 60.0,
+    hopeless_s: Annotated[
+        float,
+        typer.Option(
+            min=1.0,
+            help="A mission fails when for so long the team could do nothing [s, fleet clock].",
+        ),
+    ] = 300.0,
     json_logs: Annotated[
         bool, typer.Option("--json-logs", help="Log a JSON object a line.")
     ] = False,
@@ -85,6 +100,8 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         planning_workers=workers,
         planning_processes=request_workers,
         planning_memory_mb=worker_memory_mb,
+        give_up_s=give_up_s,
+        hopeless_s=hopeless_s,
     )
     app = create_app(settings)
     server = DrainingServer(

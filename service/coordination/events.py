@@ -68,6 +68,8 @@ class PlanKept(Message):
     kind: Literal["plan-kept"] = "plan-kept"
     time_s: Seconds
     reason: str
+    remarks: dict[str, str] = Field(default_factory=dict)
+    """Why instructions cannot be obeyed, by instruction id."""
 
 
 class PlanningFailed(Message):
@@ -78,6 +80,8 @@ class PlanningFailed(Message):
     reason: str
     hopeless: bool = False
     """As far as is known there is nothing that the team can do."""
+    remarks: dict[str, str] = Field(default_factory=dict)
+    """Why instructions cannot be obeyed, by instruction id."""
 
 
 class CommandGivenUp(Message):

@@ -61,4 +61,11 @@ class GreedyClearing:
             assignments=(*routes.assignments, *waiting, *clearing),
             reason=f"{routes.reason}; {len(clearing)} clearers to the nearest blockades",
             unreachable=frozenset(),
+            # To the routing clearers take no part.
+            remarks={
+                identifier: routes.remarks[identifier]
+                for identifier, instruction in situation.instructions
+                if identifier in routes.remarks
+                and getattr(instruction, "robot", None) not in clearers
+            },
         )

@@ -55,6 +55,7 @@ def apply(mission: Mission, event: Event) -> None:
             apply_orders(mission, event)
         case PlanKept():
             mission.plannings += 1
+            mission.remark(event.remarks)
             mission.decide(event.time_s, "plan kept", event.reason)
             mission.recover()
         case PlanningFailed():

@@ -1,5 +1,6 @@
 """A mission: the state that its events add up to (see `history`)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from service.coordination.fleet_robot import FleetRobot
@@ -147,6 +148,11 @@ class Mission:
             Decision(time_s=time_s, revision=self.revision, kind=kind, reason=reason)
         )
         del self.decisions[:-DECISIONS_KEPT]
+
+    def remark(self, remarks: Mapping[str, str]) -> None:
+        """Notes which instructions are not obeyed, and why; all others are."""
+        for identifier, given in self.instructions.items():
+            given.remark = remarks.get(identifier, "")
 
     def disturb(self) -> None:
         """Something has happened that the plan in force does not reckon with."""

@@ -16,8 +16,10 @@ from domains.mission_state import Activity
 from semantic_attachments.contract import Memory
 from service.coordination.assignment import AssignmentRule, by_hungarian_method
 from service.coordination.dispatch import comes_within
+from service.coordination.remarks import remarks
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from service.coordination.travel import Travel
+from service.coordination.urgency import assigned_by_urgency
 from service.messages.plan import PlanStep
 
 
@@ -42,6 +44,7 @@ class OneStepDisaster:
             assignments=tuple(assignments),
             reason=f"an assignment of {len(assignments)} robots",
             steps=steps_of(assignments, situation),
+            remarks=remarks_on(assignments, situation, travel, free(situation, "explorer")),
         )
 
     def _explorers(self, situation: Situation, travel: Travel, memory: Memory) -> list[Assignment]:
@@ -50,7 +53,7 @@ class OneStepDisaster:
         if not explorers or not targets:
             return []
         times_s = travel.times_s(explorers, targets)
-        chosen = self.rule(travel, explorers, targets, share=True)
+        chosen = assigned_by_urgency(self.rule, situation, travel, explorers, targets, share=True)
         assignments = [
             Assignment(
                 explorers[row],
@@ -149,6 +152,27 @@ def clear_nearest(
                 drivers[row], OrderKind.MOVE, ids[column], expected_duration_s=times_s[row][column]
             )
     return [orders[robot] for robot in clearers if robot in orders]
+
+
+def remarks_on(
+    assignments: Sequence[Assignment], situation: Situation, travel: Travel, visitors: Sequence[str]
+) -> dict[str, str]:
+    """Why one-step orders do not do what people have said; `visitors` are free to be sent."""
+    if not situation.instructions:
+        return {}
+    visits_s = {
+        order.location: order.expected_duration_s
+        for order in assignments
+        if order.kind is OrderKind.EXPLORE and order.location is not None
+    }
+    targets = [target.id for target in situation.state.targets]
+    times_s = travel.times_s(visitors, targets)
+    unreachable = {
+        target
+        for column, target in enumerate(targets)
+        if visitors and not any(isfinite(row[column]) for row in times_s)
+    }
+    return remarks(situation, visits_s, unreachable)
 
 
 def steps_of(assignments: Sequence[Assignment], situation: Situation) -> tuple[PlanStep, ...]:

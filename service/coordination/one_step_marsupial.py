@@ -19,9 +19,10 @@ from domains.formulation import Assignment, OrderKind
 from domains.mission_state import Activity, RobotState
 from semantic_attachments.contract import Memory
 from service.coordination.assignment import AssignmentRule, by_hungarian_method
-from service.coordination.one_step_disaster import steps_of
+from service.coordination.one_step_disaster import remarks_on, steps_of
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from service.coordination.travel import Travel
+from service.coordination.urgency import assigned_by_urgency
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,8 @@ class OneStepMarsupial:
             assignments=tuple(orders),
             reason=f"an assignment of {len(orders)} robots",
             steps=steps_of(orders, situation),
+            # Who cannot reach a target now may be carried there.
+            remarks=remarks_on(orders, situation, team.travel, ()),
         )
 
 
@@ -97,7 +100,9 @@ class _Team:
                 self.targets[column],
                 expected_duration_s=times_s[row][column],
             )
-            for row, column in self.baseline.rule(self.travel, ids, self.targets).items()
+            for row, column in assigned_by_urgency(
+                self.baseline.rule, self.situation, self.travel, ids, self.targets
+            ).items()
         ]
 
     def carriers_explore_or_deploy(self) -> list[Assignment]:
@@ -108,7 +113,9 @@ class _Team:
             if not (self.baseline.leaves_to_rovers and target in self.rover_owned)
         ]
         ids = [carrier.id for carrier in self.carriers]
-        chosen = self.baseline.rule(self.anywhere, ids, targets)
+        chosen = assigned_by_urgency(
+            self.baseline.rule, self.situation, self.anywhere, ids, targets
+        )
         orders: list[Assignment] = []
         self.idle = {
             rover.id: rover

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import planner
-from domains.formulation import Assignment, Formulation, Order, OrderKind, place_of
+from domains.formulation import Assignment, Formulation, Order, OrderKind
 from domains.mission_state import Activity, MissionState
 from domains.naming import Names
 from service.messages.plan import PlanStep
@@ -76,31 +76,24 @@ def remainder(
 def from_here(left: Remainder, formulation: Formulation, state: MissionState) -> planner.Plan:
     """The remainder as a start for planning anew, in the names of `state`.
 
-    Every free robot starts from where it is now: its first movement does, and one that was to begin
-    at a blockade, be it with work or with the way on, drives there first. What names something that
-    is gone is left to the planner to leave out.
+    Every free robot begins its first step from where it is now, as the formulation says. What names
+    something that is gone is left out.
     """
     names = formulation.names(state)
-    blockades = {blockade.id for blockade in state.blockades}
-    to_depart = {robot.id for robot in state.robots if robot.activity is Activity.FREE}
+    to_depart = {robot.id: robot for robot in state.robots if robot.activity is Activity.FREE}
     steps: list[planner.Step] = []
     for step, orders in left.orders:
-        ids = [left.names.id(argument) for argument in step.arguments]
-        if any(one not in names for one in (ids[0], *ids[2:])):
-            continue
-        start, robot = max(step.start, 0.0), ids[0]
-        action, begins_at = step.action, ids[1]
-        if robot in to_depart:
-            to_depart.discard(robot)
-            here = place_of(robot)
-            if begins_at in blockades:
-                arguments = tuple(names.name(one) for one in (robot, here, begins_at))
-                steps.append(planner.Step(start, "move", arguments, None))
-            elif len(orders) == 1 and orders[0].kind in (OrderKind.MOVE, OrderKind.EXPLORE):
-                action, begins_at = action.removesuffix("-from-blockade"), here
-        if begins_at in names:
-            arguments = tuple(names.name(one) for one in (robot, begins_at, *ids[2:]))
-            steps.append(planner.Step(start, action, arguments, step.duration))
+        ids = tuple(left.names.id(argument) for argument in step.arguments)
+        departing = [to_depart.pop(order.robot, None) for order in orders]
+        begun = [(step.action, ids)]
+        if departing and departing[0] is not None:
+            begun = list(formulation.departing(step.action, ids, departing[0], state))
+        for index, (action, arguments) in enumerate(begun, 1):
+            if all(one in names for one in arguments):
+                # A way to the step is as long as it takes; the step itself as long as planned.
+                duration_s = step.duration if index == len(begun) else None
+                written = tuple(names.name(one) for one in arguments)
+                steps.append(planner.Step(max(step.start, 0.0), action, written, duration_s))
     return planner.Plan(tuple(steps))
 
 

@@ -20,6 +20,7 @@ from service.coordination.ledger import Ledger
 from service.coordination.meeting_points import meeting_points
 from service.coordination.mission import Mission
 from service.coordination.ports import Observer, Planners, PlannersLostError, StoreError
+from service.coordination.remarks import remarks_without_plan
 from service.coordination.situation import situation
 from service.coordination.strategy import NoPlanError, Situation, Strategy
 from service.messages.report import Command
@@ -162,7 +163,14 @@ class Replanning:
                 # What has happened in the meantime gives hope.
                 hopeless = hopeless and not self._facts
                 await self._ledger.record(
-                    [PlanningFailed(time_s=time_s, reason=outcome, hopeless=hopeless)]
+                    [
+                        PlanningFailed(
+                            time_s=time_s,
+                            reason=outcome,
+                            hopeless=hopeless,
+                            remarks=remarks_without_plan(snapshot, outcome),
+                        )
+                    ]
                 )
                 return "no plan"
             return await self._adopt(snapshot, events, outcome)
@@ -173,7 +181,9 @@ class Replanning:
         commands = dispatch.commands(mission, decided.orders, revision)
         reason = f"{snapshot.trigger}: {proposal.reason}"
         if proposal.keeps_plan and _unchanged(mission, commands):
-            await self._ledger.record([PlanKept(time_s=mission.time_s, reason=reason)])
+            await self._ledger.record(
+                [PlanKept(time_s=mission.time_s, reason=reason, remarks=dict(proposal.remarks))]
+            )
             return "plan kept"
         await self._ledger.record(
             [

@@ -9,7 +9,7 @@ rest of the team plans for the rest.
 import logging
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf, isfinite
 
 import planner
 from domains import catalogue
@@ -20,10 +20,11 @@ from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
 from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
 from service.coordination.plan_progress import Remainder, from_here, remainder
+from service.coordination.remarks import remarks
 from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
 from service.coordination.travel import Travel
-from service.messages.instruction import Deadline, Pin, Priority
+from service.coordination.urgency import Lateness, is_urgent, lateness, urgent
 from service.messages.plan import PlanStep
 
 LOG = logging.getLogger(__name__)
@@ -60,6 +61,21 @@ class TemporalPlanning:
 
 class PlanNotFoundError(Exception):
     """There may be a plan, but the budget was too small to find it."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What priorities and deadlines ask of a plan; times count from now."""
+
+    deadlines_s: Mapping[str, float]
+    soonest_s: Mapping[str, float]
+    """When targets of the highest priority can be visited if they are all that counts."""
+    first: Sequence[Sequence[str]]
+    """Sets of targets to plan for before the others, the most wanted first."""
+
+    def lateness(self, visits_s: Mapping[str, float]) -> Lateness:
+        """How badly visits obey."""
+        return lateness(visits_s, self.deadlines_s, self.soonest_s)
 
 
 @dataclass(frozen=True)
@@ -123,32 +139,38 @@ class Planning:
     # Plans
 
     def _plan(self, goals: Collection[str]) -> tuple[planner.Plan, str]:
+        """A plan for everything, unless one that begins with what is urgent obeys people better."""
         state = self.situation.state
         everything = self._solve(state, goals)
-        urgent = self._urgent(goals)
-        if not urgent:
+        if not is_urgent(self.situation, goals):
             return everything, "a plan"
-        first = self._solve(state, urgent)
-        allowed_s = {
-            target: min(
-                first.makespan * PRIORITY_SLACK,
-                self.situation.deadlines_s.get(target, float("inf")) - state.time_s,
-            )
-            for target in urgent
-        }
-        arrivals_s = self._visits_s(everything)
-        if all(arrivals_s.get(target, float("inf")) <= allowed_s[target] for target in urgent):
-            return everything, "a plan"
-        return self._with_rest(first, goals, urgent), "a plan for what is urgent first,"
+        wanted = self._wanted(goals)
+        best, how = everything, "a plan"
+        least = wanted.lateness(self._expected_s(everything))
+        for chosen in wanted.first:
+            if least == Lateness(0, 0.0, 0.0):
+                break
+            try:
+                plan = self._with_rest(self._solve(state, chosen), goals, chosen)
+            except PlanNotFoundError:
+                continue
+            late = wanted.lateness(self._expected_s(plan))
+            if late < least:
+                best, how, least = plan, "a plan for what is urgent first,", late
+        return best, how
 
-    def _urgent(self, goals: Collection[str]) -> list[str]:
-        """The attainable targets of the highest priority; a deadline ranks above all."""
-        deadlines = [target for target in self.situation.deadlines_s if target in goals]
-        if deadlines:
-            return sorted(deadlines)
-        priorities = {t: p for t, p in self.situation.priorities.items() if t in goals}
-        highest = max(priorities.values(), default=0)
-        return sorted(target for target, p in priorities.items() if p == highest)
+    def _wanted(self, goals: Collection[str]) -> "Wanted":
+        """What people want of these targets, and what could be planned first to give it to them."""
+        situation = self.situation
+        by_time, top = urgent(situation, goals)
+        deadlines_s = {t: situation.deadlines_s[t] - situation.state.time_s for t in by_time}
+        soonest_s = {}
+        if top:
+            alone_s = self._visits_s(self._solve(situation.state, top))
+            soonest_s = dict.fromkeys(top, max(alone_s.values(), default=0.0) * PRIORITY_SLACK)
+        first = [sorted({*by_time, *top}), by_time, by_time[:1], top]
+        distinct = [part for index, part in enumerate(first) if part and part not in first[:index]]
+        return Wanted(deadlines_s, soonest_s, distinct)
 
     def _with_rest(
         self, first: planner.Plan, goals: Collection[str], urgent: Collection[str]
@@ -219,19 +241,27 @@ class Planning:
             return None
         left_s = left.plan.makespan + lag_s
         if plan is None:
-            if lag_s > left_s * LAG_TOLERATED:
-                return None
-            compared = "others wait for the planners"
-        elif plan.makespan < left_s * (1.0 - situation.planning.margin):
-            return None
+            good_enough, compared = lag_s <= left_s * LAG_TOLERATED, "others wait for the planners"
         else:
+            good_enough = plan.makespan >= left_s * (1.0 - situation.planning.margin)
+            good_enough &= not self._obeys_better(plan, left, lag_s)
             compared = f"a new one would take {plan.makespan:.1f} s"
+        if not good_enough:
+            return None
         return Proposal(
             assignments=tuple(self._with_idle_clearers(assignments)),
             reason=f"the plan in force goes on with {left_s:.1f} s left, {compared}",
             keeps_plan=True,
             remarks=self._remarks(left.plan, frozenset(), left),
         )
+
+    def _obeys_better(self, plan: planner.Plan, left: Remainder, lag_s: float) -> bool:
+        """Whether a new plan meets deadlines that the plan in force would miss."""
+        now_s = self.situation.state.time_s
+        deadlines_s = {t: time_s - now_s for t, time_s in self.situation.deadlines_s.items()}
+        kept_s = {target: end_s + lag_s for target, end_s in _visits_left_s(left).items()}
+        new = lateness(self._visits_s(plan), deadlines_s, {})
+        return new.deadlines_missed < lateness(kept_s, deadlines_s, {}).deadlines_missed
 
     def _lag_s(self, left: Remainder, assignments: Sequence[Assignment]) -> float:
         """By how much the team is behind the plan [s]; infinite if it can no longer be carried out.
@@ -318,29 +348,43 @@ class Planning:
             if order.kind is OrderKind.EXPLORE
         }
 
+    def _expected_s(self, plan: planner.Plan) -> dict[str, float]:
+        """When targets are visited, from now [s]; urgent ones that are left for later also.
+
+        At the soonest a robot that explores goes there after the last thing it has to do.
+        """
+        visits_s = self._visits_s(plan)
+        later = sorted({*self.situation.deadlines_s, *self.situation.priorities} - visits_s.keys())
+        if not later:
+            return visits_s
+        state = self.situation.state
+        names, travel = self.formulation.names(state), Travel.of(self.situation, self.memory)
+        last: dict[str, tuple[float, str]] = {}
+        explores: set[str] = set()
+        for step in sorted(plan, key=lambda step: step.end):
+            for order in self.formulation.orders(step, names):
+                last[order.robot] = (step.end, order.location)
+                if order.kind is OrderKind.EXPLORE:
+                    explores.add(order.robot)
+        for target in later:
+            times_s = [
+                last[robot][0] + travel.times_between_s(robot, [last[robot][1]], target)[0]
+                for robot in sorted(explores)
+            ]
+            if (soonest_s := min(times_s, default=inf)) < inf:
+                visits_s[target] = soonest_s
+        return visits_s
+
     def _remarks(
         self, plan: planner.Plan, unreachable: frozenset[str], left: Remainder | None = None
     ) -> dict[str, str]:
         """Why instructions cannot be obeyed, by their ids."""
-        now_s = self.situation.state.time_s
-        if left is None:
-            visits_s = self._visits_s(plan)
-        else:
-            visits_s = {target: end_s for (_, target), end_s in left.ends_s().items()}
-        remarks = {}
-        for identifier, instruction in self.situation.instructions:
-            match instruction:
-                case Pin(robot=robot, location=location) if location in unreachable:
-                    remarks[identifier] = f"{robot} cannot reach {location}, as far as is known"
-                case Deadline(target=target) | Priority(target=target) if target in unreachable:
-                    remarks[identifier] = f"no robot can reach {target}, as far as is known"
-                case Deadline(target=target, time_s=time_s) if (
-                    target in visits_s and now_s + visits_s[target] > time_s
-                ):
-                    remarks[identifier] = (
-                        f"the earliest visit found is at {now_s + visits_s[target]:.1f} s"
-                    )
-        return remarks
+        visits_s = self._expected_s(plan) if left is None else _visits_left_s(left)
+        return remarks(self.situation, visits_s, unreachable)
+
+
+def _visits_left_s(left: Remainder) -> dict[str, float]:
+    return {target: end_s for (_, target), end_s in left.ends_s().items()}
 
 
 def _listed(targets: frozenset[str]) -> str:

@@ -19,8 +19,7 @@ def apply_orders(mission: Mission, event: OrdersIssued) -> None:
         if command.id not in mission.issued_at_s:
             mission.issued_at_s[command.id] = event.time_s
         mission.orders[command.id] = command
-    for identifier, given in mission.instructions.items():
-        given.remark = event.remarks.get(identifier, "")
+    mission.remark(event.remarks)
     current = {command.robot: command for command in event.commands}
     for robot_id in [robot for robot in mission.commands if robot not in current]:
         mission.drop_command(robot_id)
@@ -47,6 +46,7 @@ def give_up(mission: Mission, event: CommandGivenUp) -> None:
 
 def plan_failed(mission: Mission, event: PlanningFailed) -> None:
     """A strategy found nothing."""
+    mission.remark(event.remarks)
     mission.plannings += 1
     mission.decide(event.time_s, "no plan", event.reason)
     mission.status, mission.status_reason = "delayed", event.reason
