@@ -1,16 +1,18 @@
 """Attachments' share of planning time, and what a pure Python attachment costs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from time import process_time
 from typing import Any
 
+import planner
 from planner.solving import Limits, improving_plans
 from scenarios.benchmarks.attachments.hospital import hospital_problem, hospital_world
-from scenarios.benchmarks.attachments.measuring import table
+from scenarios.benchmarks.attachments.measuring import cpu_s, table
 from scenarios.benchmarks.attachments.python_map import python_path_costs
-from semantic_attachments import World, bind
+from semantic_attachments import Attachment, Memory, World, bind
+from semantic_attachments.grid import ATTACHMENTS, path_costs
 
 Call = tuple[str, ...]
 
@@ -60,11 +62,60 @@ def run(*, quick: bool) -> str:
         "makespan [s]",
     ]
     report = table("Disaster instance, 15 targets and 18 blockades", columns, rows)
+    report = f"{report}\n\n{border(world)}"
     if len(totals) < 2:
         return report
     first_ratio, whole_ratio = (python / native for native, python in zip(*totals, strict=True))
     ratios = f"{first_ratio:.2f} to the first plan, {whole_ratio:.2f} for the whole search"
     return f"{report}\n\nPure Python / native, all of planning: {ratios}."
+
+
+@dataclass(frozen=True)
+class OneByOne:
+    """Path costs from a table, in Python; each is asked alone."""
+
+    known_s: dict[Call, float]
+
+    def __call__(self, *call: str) -> float:
+        return self.known_s[call]
+
+
+class InBatches(OneByOne):
+    """The same with a batch form."""
+
+    def many(self, calls: Sequence[Call]) -> list[float]:
+        """All of them at once."""
+        return [self.known_s[call] for call in calls]
+
+
+def border(world: World) -> str:
+    """What the way through Python costs alone: all path costs are known before."""
+    memory, problem = Memory(), hospital_problem()
+    costs = path_costs(world, memory)
+    calls: list[Call] = [
+        (r, a, b) for r in world.robots for a in world.locations for b in world.locations
+    ]
+    known_s = dict(zip(calls, costs.many(calls), strict=True))
+    (declared,) = (one for one in ATTACHMENTS if one.name == "pathCost")
+    rows, native_s = [], 0.0
+    for name, bound in (
+        ("native", lambda *_: costs),
+        ("Python, in batches", lambda *_: InBatches(known_s)),
+        ("Python, one by one", lambda *_: OneByOne(known_s)),
+    ):
+        given = [replace(declared, bind=bound)]
+
+        def first_plan(given: Sequence[Attachment] = given) -> planner.Result:
+            attachments = bind(["pathCost", "clearCost"], world, attachments=given)
+            return planner.solve(
+                problem.domain, problem, attachments=attachments, timeout_s=60, first_plan_only=True
+            )
+
+        total_s, _ = cpu_s(first_plan, repeats=5)
+        native_s = native_s or total_s
+        rows.append([name, total_s, total_s / native_s])
+    columns = ["path costs", "until the first plan [s]", "ratio"]
+    return table("Known path costs: what asking takes", columns, rows)
 
 
 def measure(
