@@ -104,6 +104,14 @@ class OccupancyMap:
         ranges_m: NDArray[np.float32],
         range_m: float,
     ) -> None: ...
+    def insert_fan(
+        self,
+        origin_m: _Point,
+        first_rad: float,
+        step_rad: float,
+        ranges_m: NDArray[np.float32],
+        range_m: float,
+    ) -> None: ...
     def log_odds(self) -> NDArray[np.float32]: ...
 
 Voxel: TypeAlias = tuple[int, int, int]
@@ -116,6 +124,33 @@ class Solids:
     def cast(
         self, origin_m: Triple, directions: NDArray[np.float64], threads: int
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+
+class LikelihoodField:
+    """Values on a grid, row 0 at the bottom, that scans are scored against."""
+
+    def __init__(
+        self,
+        values: NDArray[np.float32],
+        resolution_m: float,
+        origin_m: _Point,
+        outside: float,
+    ) -> None: ...
+    @staticmethod
+    def around_points(
+        points_m: NDArray[np.float64], resolution_m: float, sigma_m: float
+    ) -> LikelihoodField: ...
+    def scores(
+        self, poses: NDArray[np.float64], points_m: NDArray[np.float64]
+    ) -> NDArray[np.float64]: ...
+    def match(
+        self,
+        points_m: NDArray[np.float64],
+        guess: tuple[float, float, float],
+        window_m: float,
+        window_rad: float,
+        step_rad: float,
+        least_score: float,
+    ) -> tuple[tuple[float, float, float], float] | None: ...
 
 class Octree:
     def __init__(

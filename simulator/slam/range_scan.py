@@ -42,8 +42,15 @@ class RangeScan:
         hit = self.hits()
         bearings, ranges = self.bearings_rad()[hit], self.ranges_m[hit].astype(np.float64)
         points = np.stack([ranges * np.cos(bearings), ranges * np.sin(bearings)], axis=1)
-        if spacing_m <= 0.0 or len(points) == 0:
-            return points
-        cells = np.floor(points / spacing_m).astype(np.int64)
-        _, first = np.unique(cells, axis=0, return_index=True)
-        return points[np.sort(first)]
+        return thinned(points, spacing_m) if spacing_m > 0.0 else points
+
+
+def thinned(points_m: Points, spacing_m: float) -> Points:
+    """(n, 2): the first point in each square of that width, in the order of the points."""
+    if len(points_m) == 0:
+        return points_m
+    cells = np.floor(points_m / spacing_m).astype(np.int64)
+    cells -= cells.min(axis=0)
+    numbers = cells[:, 0] * (int(cells[:, 1].max()) + 1) + cells[:, 1]
+    _, first = np.unique(numbers, return_index=True)
+    return points_m[np.sort(first)]

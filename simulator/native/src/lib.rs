@@ -7,6 +7,7 @@ pub mod occupancy;
 pub mod octree;
 pub mod raycast;
 pub mod scene;
+pub mod slam;
 pub mod timed_route;
 pub mod travel;
 

@@ -59,18 +59,31 @@ impl OccupancyMap {
 
     /// Takes a full-circle scan in; a beam as long as `range_m` met nothing.
     pub fn insert(&mut self, origin: Point, heading_rad: f64, ranges_m: &[f32], range_m: f64) {
+        let step_rad = TAU / ranges_m.len() as f64;
+        self.insert_fan(origin, heading_rad, step_rad, ranges_m, range_m);
+    }
+
+    /// Takes a fan of beams in, counter-clockwise from `first_rad` in the map frame; a beam of no
+    /// length says nothing.
+    pub fn insert_fan(
+        &mut self,
+        origin: Point,
+        first_rad: f64,
+        step_rad: f64,
+        ranges_m: &[f32],
+        range_m: f64,
+    ) {
         // Two stamps a scan: passed (even) and hit (odd), so that hits are final.
         self.scans += 1;
         let (passed, hit) = (2 * self.scans, 2 * self.scans + 1);
-        let step = TAU / ranges_m.len() as f64;
         let direction = |beam: usize| {
-            let (sine, cosine) = (heading_rad + step * beam as f64).sin_cos();
+            let (sine, cosine) = (first_rad + step_rad * beam as f64).sin_cos();
             [cosine, sine]
         };
         // A hair further, so that an end point on a cell's border falls into the cell that was hit.
         let beyond = 1e-3 * self.resolution_m;
         for (beam, &range) in ranges_m.iter().enumerate() {
-            if f64::from(range) < range_m {
+            if range > 0.0 && f64::from(range) < range_m {
                 let along = direction(beam);
                 let reach = f64::from(range) + beyond;
                 let end = [origin[0] + reach * along[0], origin[1] + reach * along[1]];

@@ -4,6 +4,7 @@ mod floor;
 mod occupancy;
 mod octree;
 mod scene;
+mod slam;
 
 use pyo3::prelude::*;
 
@@ -14,5 +15,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<occupancy::PyOccupancyMap>()?;
     module.add_class::<octree::PyOctree>()?;
     module.add_class::<scene::PySolids>()?;
+    module.add_class::<slam::PyLikelihoodField>()?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

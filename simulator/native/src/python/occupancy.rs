@@ -51,6 +51,22 @@ impl PyOccupancyMap {
         Ok(())
     }
 
+    /// Takes in a fan of beams, the first one in direction `first_rad` of the map frame.
+    fn insert_fan(
+        &mut self,
+        origin_m: (f64, f64),
+        first_rad: f64,
+        step_rad: f64,
+        ranges_m: PyReadonlyArray1<'_, f32>,
+        range_m: f64,
+    ) -> PyResult<()> {
+        let origin = [origin_m.0, origin_m.1];
+        let ranges = ranges_m.as_slice()?;
+        self.map
+            .insert_fan(origin, first_rad, step_rad, ranges, range_m);
+        Ok(())
+    }
+
     /// All cells' log odds, (rows, columns); zero where nothing was seen.
     fn log_odds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         PyArray1::from_slice(py, self.map.log_odds()).reshape([self.shape.0, self.shape.1])
