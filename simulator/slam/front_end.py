@@ -58,7 +58,7 @@ class FrontEndParameters:
     window_m: float = 0.3
     window_rad: float = 0.25
     wide_window_m: float = 1.0
-    """looked through when nothing fits in the narrow window: odometry and scans may be out of step"""
+    """looked through when nothing fits in the narrow window: scans and odometry out of step"""
     wide_window_rad: float = 0.7
     odometry: OdometryModel = field(default_factory=OdometryModel)
     matching: ScanMatchParameters = field(default_factory=ScanMatchParameters)
@@ -137,11 +137,13 @@ class FrontEnd:
     def _consecutive(self, last: int, motion: Poses, scan: RangeScan) -> Edge:
         """The motion since the last node, from odometry and scan matching together."""
         odometry = self.parameters.odometry.information(motion)
-        recent = [key for key in range(max(0, last - self.parameters.recent + 1), last + 1)]
+        recent = list(range(max(0, last - self.parameters.recent + 1), last + 1))
         narrow = (self.parameters.window_m, self.parameters.window_rad)
         wide = (self.parameters.wide_window_m, self.parameters.wide_window_rad)
         for window, least in ((narrow, (0.4, 0.5)), (wide, (0.4, 0.5))):
-            found = self._match_to(recent, last, scan, motion, window, odometry, least)
+            found = self._match_to(
+                recent, last, scan, motion, window=window, prior=odometry, least=least
+            )
             if found is not None:
                 pose, information = found
                 return Edge(last, last + 1, pose, information + odometry)
@@ -153,6 +155,7 @@ class FrontEnd:
         origin: int,
         scan: RangeScan,
         guess: Poses,
+        *,
         window: tuple[float, float],
         prior: NDArray[np.float64] | None,
         least: tuple[float, float],
@@ -164,7 +167,7 @@ class FrontEnd:
         if not around:
             return None
         matching = replace(self.parameters.matching, least_score=least[0])
-        found = match(surfaces(around), scan, guess, window, matching, prior)
+        found = match(surfaces(around), scan, guess, window, matching, prior=prior)
         if found is None or found.score < least[1]:
             return None
         return found.pose, found.information
@@ -192,9 +195,9 @@ class FrontEnd:
             candidate,
             self.scans[key],
             guess,
-            window,
-            None,
-            (loops.least_score, loops.least_share),
+            window=window,
+            prior=None,
+            least=(loops.least_score, loops.least_share),
         )
         if found is None or np.min(np.linalg.eigvalsh(found[1])) < 10.0:
             # A place that leaves a direction open closes no loop.

@@ -84,7 +84,8 @@ def fit_motion(from_m: Points, to_m: Points, weights: NDArray[np.float64] | None
     if len(from_m) < 2:
         raise ValueError(f"a motion of the plane needs two points or more, not {len(from_m)}")
     w = np.ones(len(from_m)) if weights is None else weights
-    centre_a, centre_b = np.average(from_m, 0, w), np.average(to_m, 0, w)
+    w = w / w.sum()
+    centre_a, centre_b = w @ from_m, w @ to_m
     a, b = from_m - centre_a, to_m - centre_b
     sine = float(np.sum(w * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])))
     cosine = float(np.sum(w * (a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])))

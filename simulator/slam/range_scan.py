@@ -53,4 +53,4 @@ def thinned(points_m: Points, spacing_m: float) -> Points:
     cells -= cells.min(axis=0)
     numbers = cells[:, 0] * (int(cells[:, 1].max()) + 1) + cells[:, 1]
     _, first = np.unique(numbers, return_index=True)
-    return points_m[np.sort(first)]
+    return np.asarray(points_m[np.sort(first)])

@@ -94,8 +94,9 @@ def surfaces(scans: Sequence[tuple[Poses, RangeScan]], spacing_m: float = 0.05) 
 def _normals(points: Points, tree: KDTree, count: int = 14, reach_m: float = 0.35) -> Points:
     """(n, 2): normals of lines fitted to the nearest points."""
     count = min(count, len(points))
-    distances, neighbours = tree.query(points, count, distance_upper_bound=reach_m)
-    distances, neighbours = distances.reshape(len(points), -1), neighbours.reshape(len(points), -1)
+    found = tree.query(points, count, distance_upper_bound=reach_m)
+    distances = np.asarray(found[0]).reshape(len(points), -1)
+    neighbours = np.asarray(found[1]).reshape(len(points), -1)
     near = np.isfinite(distances)
     weights = near / np.maximum(near.sum(axis=1, keepdims=True), 1)
     around = points[np.minimum(neighbours, len(points) - 1)]
@@ -112,6 +113,7 @@ def match(
     guess: Poses,
     window: tuple[float, float],
     parameters: ScanMatchParameters | None = None,
+    *,
     prior: NDArray[np.float64] | None = None,
 ) -> ScanMatch | None:
     """Finds the pose of a scan near a guess.
@@ -154,7 +156,7 @@ def match(
             # Odometry that a scan contradicts clearly was wrong: wheels slip, clocks differ.
             apart = between(guess, pose)
             prior = prior / max(1.0, float(apart @ prior @ apart) / 9.0)
-    return refine(reference, points, pose, parameters, guess, prior)
+    return refine(reference, points, pose, parameters, guess=guess, prior=prior)
 
 
 def _around(points: Points, centre: Poses, reach_m: float) -> Points:
@@ -183,6 +185,7 @@ def refine(
     points: Points,
     pose: Poses,
     parameters: ScanMatchParameters,
+    *,
     guess: Poses | None = None,
     prior: NDArray[np.float64] | None = None,
 ) -> ScanMatch | None:
@@ -211,9 +214,7 @@ def refine(
             keep = _informed(own, parameters)
             normal_matrix, gradient = keep @ normal_matrix @ keep, keep @ gradient
         away = between(pose, guess)
-        step = np.linalg.solve(
-            normal_matrix + prior + 1e-6 * np.eye(3), gradient + prior @ away
-        )
+        step = np.linalg.solve(normal_matrix + prior + 1e-6 * np.eye(3), gradient + prior @ away)
         pose = compose(pose, step)
         if np.all(np.abs(step) < (1e-4, 1e-4, 1e-5)) and iteration >= 4:
             break
@@ -228,7 +229,8 @@ def _correspondences(
     Last the share of the points that have a reference point within reach.
     """
     seen = transform(pose, points)
-    distances, nearest = reference.tree.query(seen, distance_upper_bound=reach_m)
+    found = reference.tree.query(seen, distance_upper_bound=reach_m)
+    distances, nearest = np.asarray(found[0]), np.asarray(found[1])
     near = np.flatnonzero(np.isfinite(distances))
     normals = reference.normals[nearest[near]]
     on_surface = np.any(normals != 0.0, axis=1)
