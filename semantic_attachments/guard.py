@@ -11,6 +11,7 @@ from contextvars import ContextVar
 from math import isnan
 from numbers import Real
 from threading import RLock, Semaphore
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -93,7 +94,7 @@ class Guarded:
     def _values(self, calls: tuple[Call, ...], state: StateView | None) -> list[float]:
         many = getattr(self._function, "many", None)
         if many is None:
-            return [self._single(call, state, i) for i, call in enumerate(calls)]
+            return self._singles(calls, state)
         found = self._run(many, (calls,), state, state_first=False)
         try:
             values = list(found)
@@ -103,12 +104,28 @@ class Guarded:
             raise EvaluationError(f"many() returned {len(values)} values for {len(calls)} calls")
         return [self._check(value, position) for position, value in enumerate(values)]
 
-    def _single(self, call: Call, state: StateView | None, position: int) -> float:
+    def _singles(self, calls: tuple[Call, ...], state: StateView | None) -> list[float]:
+        """The single form for each call; the time limit holds for each, the thread is one."""
+        found: list[Any] = []
+        progress_s = [monotonic()]
+        failure: EvaluationError | None = None
+
+        def each(given: tuple[Call, ...], view: StateView | None = None) -> None:
+            for call in given:
+                if failure is not None:  # given up
+                    return
+                found.append(self._function(*(call if view is None else (view, *call))))
+                progress_s[0] = monotonic()
+
         try:
-            return self._check(self._run(self._function, call, state, state_first=True), position)
+            self._run(each, (calls,), state, state_first=False, progress_s=progress_s)
         except EvaluationError as error:
-            error.position = position
-            raise
+            failure = error
+        values = [self._check(value, position) for position, value in enumerate(tuple(found))]
+        if failure is not None:
+            failure.position = min(len(values), len(calls) - 1)
+            raise failure
+        return values
 
     def _effect(self, state: StateView, call: Call) -> list[float] | None:
         self._check_count(call, 0)
@@ -131,6 +148,7 @@ class Guarded:
         state: StateView | None,
         *,
         state_first: bool,
+        progress_s: Sequence[float] = (),
     ) -> Any:
         underway = _underway.get()
         if id(self) in underway or not self._askers.acquire(blocking=False):
@@ -143,7 +161,13 @@ class Guarded:
             _underway.reset(token)
             raise EvaluationError(f"it is still busy after {waiting_s:g} s")
         try:
-            return self._limit.run(function, arguments, state, state_first=state_first)
+            return self._limit.run(
+                function,
+                arguments,
+                state,
+                state_first=state_first,
+                last_progress_s=(lambda: progress_s[0]) if progress_s else None,
+            )
         except EvaluationError:
             raise
         except Exception as error:

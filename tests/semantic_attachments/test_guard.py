@@ -92,6 +92,23 @@ def test_a_sleeper_is_given_up_and_the_next_call_works() -> None:
     assert attachment("fast") == 1.0
 
 
+def test_the_time_limit_holds_for_each_call_of_many() -> None:
+    def sleeper(x: str) -> float:
+        asked.append(x)
+        time.sleep(float(x))
+        return 1.0
+
+    asked: list[str] = []
+    attachment = guarded(sleeper, time_limit_s=0.5, thread_safe=True)
+    assert attachment.many([("0.1",)] * 6) == [1.0] * 6
+    asked.clear()
+    with pytest.raises(EvaluationError, match=r"took longer than 0.5 s") as caught:
+        attachment.many([("0",), ("0.05",), ("1.2",), ("0",)])
+    assert caught.value.position == 2
+    time.sleep(1.0)
+    assert asked == ["0", "0.05", "1.2"]
+
+
 def test_one_that_asks_itself_is_refused() -> None:
     asked: list[Guarded] = []
 
