@@ -6,20 +6,23 @@ HTTP 200 where a client reads nothing else.
 """
 
 import json
+from collections.abc import Awaitable, Callable
 from http import HTTPStatus
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
+from pydantic import ValidationError
 
 import planner
 from service.access import caller_of, needs
 from service.coordination.ports import StoreError
 from service.jobs.executor import QueueFullError
 from service.jobs.planning_requests import Following, result
-from service.json_body import described, json_body
+from service.json_body import described, read_limited
 from service.messages.editor import (
     CheckBody,
+    EditorMessage,
     Json,
     PackageSolveBody,
     ParseBody,
@@ -28,7 +31,7 @@ from service.messages.editor import (
     ValidateBody,
 )
 from service.messages.planning import PlanOut, PlanRequest
-from service.problem_details import ProblemError, invalid
+from service.problem_details import ProblemError, from_validation
 from service.routes.plans import Requests, checked
 from service.settings import Settings
 
@@ -36,6 +39,33 @@ ROUTER = APIRouter(tags=["editors"], dependencies=[Depends(needs("operate"))])
 BODIES = (PackageSolveBody, SolveBody, RequestBody, ParseBody, ValidateBody, CheckBody)
 PLANNER = "marsupial"
 CALL = "marsupial {domain} {problem} {time_limit} {seed}"
+
+
+M = TypeVar("M", bound=EditorMessage)
+
+
+def editor_body(model: type[M]) -> Callable[[Request], Awaitable[M | str]]:
+    """A dependency that reads a body, or says what is wrong with it.
+
+    Clients show nothing of an answer whose status is not 200: what is wrong goes into the answer.
+    """
+
+    async def read(request: Request) -> M | str:
+        try:
+            body = await read_limited(request, request.app.state.settings.max_body_bytes)
+            return model.model_validate_json(body)
+        except ProblemError as problem:
+            return problem.detail
+        except ValidationError as error:
+            detail = from_validation(error).detail
+            if any(fault["type"] == "json_invalid" for fault in error.errors()):
+                detail += (
+                    "; if the texts hold characters beyond ASCII, the client may have counted "
+                    "characters instead of bytes in Content-Length, and cut them off"
+                )
+            return detail
+
+    return read
 
 
 @ROUTER.get("/package")
@@ -91,10 +121,12 @@ async def package_solve(
     request: Request,
     planner_name: str,
     service: str,
-    body: Annotated[PackageSolveBody, Depends(json_body(PackageSolveBody))],
+    body: Annotated[PackageSolveBody | str, Depends(editor_body(PackageSolveBody))],
     all_requests: Requests,
 ) -> Json:
     """Starts planning; the answer says where to ask for the result."""
+    if isinstance(body, str):
+        return {"Error": body}
     if planner_name != PLANNER:
         return {"Error": f"there is no planner {planner_name[:64]!r}, only {PLANNER!r}"}
     if service != "solve":
@@ -141,10 +173,12 @@ async def check(plan_id: str, all_requests: Requests) -> Json:
 @ROUTER.post("//check/{plan_id}", include_in_schema=False)
 async def check_adapted(
     plan_id: str,
-    body: Annotated[CheckBody, Depends(json_body(CheckBody))],
+    body: Annotated[CheckBody | str, Depends(editor_body(CheckBody))],
     all_requests: Requests,
 ) -> Json:
     """The result in the shape that an editor's adaptor asks for."""
+    if isinstance(body, str):
+        return {"Error": body}
     if body.adaptor != "planning_editor_adaptor":
         return await check(plan_id, all_requests)
     job = await all_requests.find(plan_id)
@@ -200,10 +234,12 @@ async def solved(
 @ROUTER.post("/solve", openapi_extra=described(SolveBody))
 async def solve(
     request: Request,
-    body: Annotated[SolveBody, Depends(json_body(SolveBody))],
+    body: Annotated[SolveBody | str, Depends(editor_body(SolveBody))],
     all_requests: Requests,
 ) -> Json:
     """Plans for up to ten seconds and answers with the best plan."""
+    if isinstance(body, str):
+        return {"status": "error", "result": {"output": "", "error": body}}
     work = PlanRequest(domain_text=body.domain, problem=body.problem)
     job = await solved(request, all_requests, work, request.app.state.settings)
     if isinstance(job, str):
@@ -233,12 +269,14 @@ def json_steps(plan: PlanOut) -> list[Json]:
 @ROUTER.post("/request", openapi_extra=described(RequestBody))
 async def request_plan(
     request: Request,
-    body: Annotated[RequestBody, Depends(json_body(RequestBody))],
+    body: Annotated[RequestBody | str, Depends(editor_body(RequestBody))],
     all_requests: Requests,
     response: Response,
     asynchronous: Annotated[bool, Query(alias="async")] = False,
 ) -> Json:
     """Plans for the time asked; with `async=true`, `GET /request/{id}` tells how far it has got."""
+    if isinstance(body, str):
+        return failed(body)
     settings: Settings = request.app.state.settings
     limit_s = min(body.configuration.timeout or 10.0, settings.max_wait_s)
     work = PlanRequest(
@@ -303,13 +341,14 @@ def progress(job: Following) -> Json:
 
 @ROUTER.post("/parse", openapi_extra=described(ParseBody))
 async def parse(
-    request: Request, body: Annotated[ParseBody, Depends(json_body(ParseBody))]
+    request: Request, body: Annotated[ParseBody | str, Depends(editor_body(ParseBody))]
 ) -> list[Json]:
     """Findings in a domain and its problems."""
+    if isinstance(body, str):
+        return [_fault("DOMAIN", body)]
     limit = request.app.state.settings.max_pddl_bytes
-    for text in (body.domain, *body.problems):
-        if len(text) > limit:
-            raise invalid([("", f"a text is longer than the {limit} bytes this server accepts")])
+    if max(map(len, (body.domain, *body.problems))) > limit:
+        return [_fault("DOMAIN", f"a text is longer than the {limit} bytes this server accepts")]
     return await anyio.to_thread.run_sync(findings, body.domain, body.problems)
 
 
@@ -328,6 +367,11 @@ def findings(domain_text: str, problems: list[str]) -> list[Json]:
     return found
 
 
+def _fault(location: str, message: str, line: int = 1) -> Json:
+    position = {"line": line, "character": 1}
+    return {"location": location, "message": message, "severity": "error", "position": position}
+
+
 def _finding(location: str, diagnostic: planner.Diagnostic) -> Json:
     severity = "info" if diagnostic.severity == "information" else diagnostic.severity
     remedy = f"; {diagnostic.remedy}" if diagnostic.remedy else ""
@@ -341,12 +385,15 @@ def _finding(location: str, diagnostic: planner.Diagnostic) -> Json:
 
 @ROUTER.post("/validate", openapi_extra=described(ValidateBody), status_code=HTTPStatus.OK)
 async def validate(
-    request: Request, body: Annotated[ValidateBody, Depends(json_body(ValidateBody))]
+    request: Request, body: Annotated[ValidateBody | str, Depends(editor_body(ValidateBody))]
 ) -> Json:
     """Whether a plan is valid; if not, why."""
+    if isinstance(body, str):
+        return {"validation": {"error": body, "problems": []}}
     limit = request.app.state.settings.max_pddl_bytes
     if max(len(body.domain), len(body.problem), len(body.plan)) > limit:
-        raise invalid([("", f"a text is longer than the {limit} bytes this server accepts")])
+        error = f"a text is longer than the {limit} bytes this server accepts"
+        return {"validation": {"error": error, "problems": []}}
     return {"validation": await anyio.to_thread.run_sync(validation, body)}
 
 
@@ -368,10 +415,5 @@ def validation(body: ValidateBody) -> Json:
     if verdict.valid:
         return {"problems": problems}
     line = (verdict.step or 0) + 1
-    fault = {
-        "location": "PLAN",
-        "message": verdict.message or str(verdict.reason),
-        "severity": "error",
-        "position": {"line": line, "character": 1},
-    }
+    fault = _fault("PLAN", verdict.message or str(verdict.reason), line)
     return {"error": verdict.message or str(verdict.reason), "problems": [*problems, fault]}

@@ -130,3 +130,33 @@ def test_validate(client: InProcessClient) -> None:
     assert invalid["problems"][0]["severity"] == "error"
     unread = client.post("/validate", json={**body, "plan": "(("}).json()["validation"]
     assert unread["problems"][0]["location"] == "PLAN"
+
+
+BODIES: dict[str, Any] = {
+    "/solve": lambda answer: answer["result"]["error"],
+    "/request": lambda answer: answer["status"]["error"]["message"],
+    "/package/marsupial/solve": lambda answer: answer["Error"],
+    "/parse": lambda answer: answer[0]["message"],
+    "/validate": lambda answer: answer["validation"]["error"],
+    "/check/x": lambda answer: answer["Error"],
+}
+
+
+@pytest.mark.parametrize("path", sorted(BODIES))
+def test_a_body_cut_off_by_a_client_that_counts_characters_is_explained(
+    client: InProcessClient, path: str
+) -> None:
+    text = json.dumps(
+        {"domain": "; größte Fläche\n" + DOMAIN, "problem": PROBLEM}, ensure_ascii=False
+    )
+    cut = text.encode()[: len(text)]
+    answer = client.post(path, content=cut)
+    assert answer.status_code == 200
+    assert "Content-Length" in BODIES[path](answer.json())
+
+
+@pytest.mark.parametrize("path", sorted(set(BODIES) - {"/check/x"}))
+def test_a_body_without_its_members_is_explained(client: InProcessClient, path: str) -> None:
+    answer = client.post(path, json={})
+    assert answer.status_code == 200
+    assert "domain" in BODIES[path](answer.json())
