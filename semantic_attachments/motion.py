@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments.contract import Attachment, EvaluationError, Memory, Parameter, Quality
+from semantic_attachments.motion_change import Box, changed_cells, touches
 from semantic_attachments.motion_parameters import MotionParameters
 from semantic_attachments.motion_worker import MotionWorker, Query
 from semantic_attachments.outline import inner_radius_m
@@ -64,9 +65,38 @@ class MotionCosts:
 
     def __init__(self, world: World, workers: MotionWorkers) -> None:
         self.world = world
-        self._workers = workers
+        self.workers = workers
+        """The processes that plan."""
+        self.kept = 0
+        """Durations taken over from the world before."""
         self._durations_s: dict[Key, float] = {}
         self._lock = RLock()
+
+    def after(self, world: World) -> "MotionCosts":
+        """The motion costs of a changed world, with every duration that the change cannot touch."""
+        costs = MotionCosts(world, self.workers)
+        cells = changed_cells(self.world.grid, world.grid)
+        if cells is None:
+            return costs
+        models, places = set(world.robots.values()), set(world.locations.values())
+        with self._lock:
+            for (model, start, goal), duration_s in self._durations_s.items():
+                if model not in models or start not in places or goal not in places:
+                    continue
+                before, now = set(self._closed(start, goal)), set(costs._closed(start, goal))
+                if duration_s == inf:
+                    is_kept = not cells and before <= now
+                else:
+                    changed = [*cells, *(Box.around(blockade) for blockade in before ^ now)]
+                    ends_m = (start.position_m, goal.position_m)
+                    # A place too near to an obstacle is left and reached from beside it.
+                    reach_m = 2 * self._beside_m(model)
+                    length_m = duration_s * model.speed_m_s
+                    is_kept = not touches(changed, ends_m, length_m, reach_m)
+                if is_kept:
+                    costs._durations_s[model, start, goal] = duration_s
+        costs.kept = len(costs._durations_s)
+        return costs
 
     def __call__(self, *arguments: str) -> float:
         """Duration [s] of (robot, from, to); infinite if no motion was found."""
@@ -117,7 +147,7 @@ class MotionCosts:
                 return np.array([[*first.position_m, 0.0]])
             closed = self._closed(first, last)
             query = Query(first.position_m, (last.position_m,), closed, whole=True)
-            worker = self._workers.of(model)
+            worker = self.workers.of(model)
             worker.ask(self.world.grid, [query])
             ((motion,),) = worker.answer(monotonic() + self._patience_s(1))
             poses: NDArray[np.float64] = motion.poses
@@ -135,7 +165,7 @@ class MotionCosts:
             )
             for name, model in self.world.robots.items()
         }
-        parameters = GridParameters(unknown_is_free=self._workers.parameters.unknown_is_free)
+        parameters = GridParameters(unknown_is_free=self.workers.parameters.unknown_is_free)
         return PathCosts(replace(self.world, robots=discs), parameters)
 
     def _beside_m(self, model: RobotModel) -> float:
@@ -174,17 +204,17 @@ class MotionCosts:
                 Query(start.position_m, tuple(goal.position_m for goal in goals), closed)
                 for (start, closed), goals in by_start.items()
             ]
-            self._workers.of(model).ask(grid, queries)
+            self.workers.of(model).ask(grid, queries)
         for model, by_start in questions.items():
             pairs = sum(len(goals) for goals in by_start.values())
-            answers = self._workers.of(model).answer(monotonic() + self._patience_s(pairs))
+            answers = self.workers.of(model).answer(monotonic() + self._patience_s(pairs))
             for (start, _), goals, found in zip(by_start, by_start.values(), answers, strict=True):
                 for goal, duration_s in zip(goals, found, strict=True):
                     self._durations_s[model, start, goal] = duration_s
 
     def _patience_s(self, pairs: int) -> float:
         """How long a worker may take for some pairs."""
-        parameters = self._workers.parameters
+        parameters = self.workers.parameters
         return _START_UP_S + pairs * (parameters.budget_s + parameters.improvement_s + 1.0)
 
     def _closed(self, start: Location, goal: Location) -> tuple[Blockade, ...]:
@@ -196,13 +226,20 @@ class MotionCosts:
 def motion_costs(
     world: World, memory: Memory, parameters: MotionParameters | None = None
 ) -> MotionCosts:
-    """The motion costs of a world; worker processes and their roadmaps live on in the memory."""
+    """The motion costs of a world; durations that its change cannot touch, worker processes and
+    their roadmaps live on in the memory."""
     parameters = parameters or MotionParameters()
     workers = memory.get("motion", MotionWorkers)
     if workers is None or workers.parameters != parameters:
         workers = MotionWorkers(parameters)
         memory.keep("motion", workers)
-    return MotionCosts(world, workers)
+    kept = memory.get("motion costs", MotionCosts)
+    if kept is None or kept.workers is not workers:
+        costs = MotionCosts(world, workers)
+    else:
+        costs = kept if kept.world is world else kept.after(world)
+    memory.keep("motion costs", costs)
+    return costs
 
 
 ATTACHMENTS = (

@@ -8,7 +8,7 @@ from time import monotonic
 import numpy as np
 import pytest
 
-from semantic_attachments import EvaluationError, Memory, RobotModel, World, bind
+from semantic_attachments import Blockade, EvaluationError, Memory, RobotModel, World, bind
 from semantic_attachments.motion import MotionCosts, MotionWorkers, motion_costs
 from semantic_attachments.motion_parameters import MotionParameters
 from semantic_attachments.motion_worker import MotionWorker, Query
@@ -111,6 +111,26 @@ def test_a_fault_in_the_worker_is_told(two_rooms: World) -> None:
         assert math.isfinite(duration_s)
     finally:
         worker.close()
+
+
+def test_what_a_change_cannot_touch_is_kept(costs: MotionCosts) -> None:
+    world, memory = costs.world, Memory()
+    memory.keep("motion", costs.workers)
+    costs = motion_costs(world, memory, PARAMETERS)
+    calls = [("car", a, b) for a in world.locations for b in world.locations]
+    before_s = dict(zip(calls, costs.many(calls), strict=True))
+    rubble = Blockade("rubble", ((17.1, 0.5), (17.1, 3.5)), 3.0)
+    changed = replace(world, blockades={**world.blockades, "rubble": rubble}, version=1)
+    after = motion_costs(changed, memory, PARAMETERS)
+    assert 0 < after.kept < len(calls)
+    now_s = dict(zip(calls, after.many(calls), strict=True))
+    fresh_s = MotionCosts(changed, costs.workers).many(calls)
+    assert list(now_s.values()) == pytest.approx(fresh_s, rel=0.02)
+    west = ("car", "west", "also_west")
+    assert now_s[west] == before_s[west]
+    assert now_s["car", "door", "east"] > before_s["car", "door", "east"]
+    again = motion_costs(world, memory, PARAMETERS)
+    assert again.many(calls) == pytest.approx(list(before_s.values()), rel=0.02)
 
 
 def test_it_is_installed(two_rooms: World) -> None:
