@@ -53,6 +53,11 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
         "Maps",
         "Build, look at and convert 3D occupancy maps.",
     ),
+    "vegetation": (
+        "scenarios.commands.vegetation:app",
+        "Maps",
+        "Detect flat vegetation from laser remission, and map it.",
+    ),
     "serve": ("service.commands.serve:serve", "Service", "Run the coordination service over HTTP."),
     "new-key": ("service.commands.new_key:new_api_key", "Service", "Make an API key."),
 }

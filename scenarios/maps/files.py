@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -81,12 +82,16 @@ def write_plan(folder: Path, name: str, plan: FloorPlan) -> Path:
     path = write_map(folder, name, plan.cells(), plan.resolution_m)
     terrain = terrain_cells(plan)
     if terrain is not None:
-        image = f"{name}_terrain.pgm"
-        (folder / image).write_bytes(_image(terrain))
-        classes = ", ".join(plan.terrain_classes)
-        with path.open("a", encoding="utf-8") as file:
-            file.write(f"terrain_image: {image}\nterrain_classes: [{classes}]\n")
+        write_terrain(path, terrain, plan.terrain_classes)
     return path
+
+
+def write_terrain(path: Path, terrain: NDArray[np.uint8], classes: Sequence[str]) -> None:
+    """Writes `name_terrain.pgm` beside a map's YAML file, which then names its classes as well."""
+    image = f"{path.stem}_terrain.pgm"
+    (path.parent / image).write_bytes(_image(terrain))
+    with path.open("a", encoding="utf-8") as file:
+        file.write(f"terrain_image: {image}\nterrain_classes: [{', '.join(classes)}]\n")
 
 
 def write_annotations(folder: Path, name: str, placement: Placement) -> Path:

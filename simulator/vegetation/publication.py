@@ -1,7 +1,8 @@
 """Terrain classes for the coordination service: in a mission's map, and as patches of a report.
 
-Robot types list the classes that they enter: `paved` is for all, `vegetation` for those that may
-touch grass (docs/fleet-protocol.md).
+Robot types list the classes that they enter (docs/fleet-protocol.md): `paved` is for all,
+`vegetation` for those that may touch grass, and so is `verge`, the pavement's edge where the centre
+of a robot of a certain radius would have wheels on the grass.
 """
 
 from __future__ import annotations
@@ -13,13 +14,13 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from simulator.mission_request import packed
-from simulator.vegetation.terrain_grid import TERRAIN_CLASSES, UNKNOWN, TerrainGrid
+from simulator.vegetation.terrain_grid import FREE, TERRAIN_CLASSES, UNKNOWN, TerrainGrid
 
 PATCH_CELLS = 64
 """Patches are cut from the map in blocks of this many cells in width and height."""
 
 
-def mission_map(grid: TerrainGrid) -> dict[str, Any]:
+def mission_map(grid: TerrainGrid, verge_m: float = 0.0) -> dict[str, Any]:
     """The member `map` of `POST /v1/missions`."""
     rows, columns = grid.cells.shape
     return {
@@ -29,12 +30,14 @@ def mission_map(grid: TerrainGrid) -> dict[str, Any]:
         "height": rows,
         "encoding": "zlib+base64",
         "cells": packed(grid.cells),
-        "terrain": packed(grid.terrain()),
+        "terrain": packed(grid.terrain(verge_m)),
         "terrain_classes": list(TERRAIN_CLASSES),
     }
 
 
-def map_patches(grid: TerrainGrid, before: TerrainGrid | None = None) -> list[dict[str, Any]]:
+def map_patches(
+    grid: TerrainGrid, before: TerrainGrid | None = None, verge_m: float = 0.0
+) -> list[dict[str, Any]]:
     """The member `map_patches` of a report: what is known now and was not, or was otherwise.
 
     Both grids must be of the same place; cells that are unknown now are never sent as news.
@@ -46,7 +49,7 @@ def map_patches(grid: TerrainGrid, before: TerrainGrid | None = None) -> list[di
     if before is not None:
         if (before.cells.shape, before.origin_m) != (grid.cells.shape, grid.origin_m):
             raise ValueError("both grids must be of the same place: same shape and origin_m")
-        same = (before.cells == grid.cells) & (before.terrain() == grid.terrain())
+        same = (before.cells == grid.cells) & (before.terrain(verge_m) == grid.terrain(verge_m))
         news &= ~same
     patches = []
     rows, columns = grid.cells.shape
@@ -54,11 +57,13 @@ def map_patches(grid: TerrainGrid, before: TerrainGrid | None = None) -> list[di
         for column in range(0, columns, PATCH_CELLS):
             block = news[row : row + PATCH_CELLS, column : column + PATCH_CELLS]
             if block.any():
-                patches.append(_patch(grid, block, row, column))
+                patches.append(_patch(grid, grid.terrain(verge_m), block, row, column))
     return patches
 
 
-def _patch(grid: TerrainGrid, news: NDArray[np.bool_], row: int, column: int) -> dict[str, Any]:
+def _patch(
+    grid: TerrainGrid, terrain: NDArray[np.uint8], news: NDArray[np.bool_], row: int, column: int
+) -> dict[str, Any]:
     """The smallest rectangle of a block that holds all its news."""
     own_rows, own_columns = np.flatnonzero(news.any(axis=1)), np.flatnonzero(news.any(axis=0))
     row, rows = row + int(own_rows[0]), int(own_rows[-1] - own_rows[0]) + 1
@@ -70,12 +75,12 @@ def _patch(grid: TerrainGrid, news: NDArray[np.bool_], row: int, column: int) ->
         "width": columns,
         "height": rows,
         "cells": packed(grid.cells[window]),
-        "terrain": packed(grid.terrain()[window]),
+        "terrain": packed(terrain[window]),
     }
 
 
 def terrain_segments(
-    grid: TerrainGrid, least_area_m2: float = 1.0
+    grid: TerrainGrid, least_area_m2: float = 1.0, verge_m: float = 0.0
 ) -> tuple[NDArray[np.int32], list[str]]:
     """Connected pieces of one terrain class: the segments that only some robots may enter.
 
@@ -84,8 +89,9 @@ def terrain_segments(
     """
     labels = np.zeros(grid.cells.shape, np.int32)
     classes: list[str] = []
+    terrain = grid.terrain(verge_m)
     for index, name in enumerate(TERRAIN_CLASSES):
-        own = (grid.cells == 0) & (grid.terrain() == index)
+        own = (grid.cells == FREE) & (terrain == index)
         pieces, count = ndimage.label(own)
         areas = np.bincount(pieces.ravel(), minlength=count + 1) * grid.resolution_m**2
         for piece in range(1, count + 1):

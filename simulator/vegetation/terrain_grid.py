@@ -12,7 +12,8 @@ from scipy.special import expit, logit
 from simulator.vegetation.vegetation_map import VegetationMap
 
 Array = NDArray[np.float64]
-TERRAIN_CLASSES = ("paved", "vegetation")
+TERRAIN_CLASSES = ("paved", "vegetation", "verge")
+PAVED, VEGETATION, VERGE = range(3)
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 
 
@@ -44,9 +45,30 @@ class TerrainGrid:
     origin_m: tuple[float, float]
     threshold: float = 0.5
 
-    def terrain(self) -> NDArray[np.uint8]:
-        """`(rows, columns)`: index into `TERRAIN_CLASSES`; unknown ground counts as paved."""
-        return np.asarray(self.is_vegetation(), dtype=np.uint8)
+    def terrain(self, verge_m: float = 0.0) -> NDArray[np.uint8]:
+        """`(rows, columns)`: index into `TERRAIN_CLASSES`; unknown ground counts as paved.
+
+        Paved cells with their centre closer than `verge_m` to vegetation's are verge: terrain
+        classes bind a robot's centre, so a robot that stays off the verge has no wheel on grass.
+        """
+        grass = self.is_vegetation()
+        terrain = np.where(grass, VEGETATION, PAVED).astype(np.uint8)
+        if verge_m > 0 and grass.any():
+            away_m = ndimage.distance_transform_edt(~grass) * self.resolution_m
+            terrain[~grass & (away_m < verge_m)] = VERGE
+        return terrain
+
+    def without_specks(self, least_area_m2: float) -> TerrainGrid:
+        """Patches of either class smaller than this, amid the other one, take its class."""
+        grass = self.is_vegetation()
+        vegetation = self.vegetation.copy()
+        ground = self.cells == FREE
+        for own, other in ((grass, 0.0), (ground & ~grass, 1.0)):
+            pieces, _ = ndimage.label(own)
+            small = np.bincount(pieces.ravel()) * self.resolution_m**2 < least_area_m2
+            small[0] = False
+            vegetation[small[pieces]] = other
+        return TerrainGrid(self.cells, vegetation, self.resolution_m, self.origin_m, self.threshold)
 
     def is_vegetation(self) -> NDArray[np.bool_]:
         """`(rows, columns)`: ground that was classified as vegetation."""
@@ -85,7 +107,7 @@ def terrain_grid(
 ) -> TerrainGrid:
     """Projects a rectangle of the map, its lower left corner at `origin_m`, onto the ground.
 
-    Ground is the voxels up to `step_m` above the lowest occupied voxel around; their evidence for
+    Ground is the voxels up to `step_m` above the lowest surface voxel around; their evidence for
     vegetation adds up. Ground that was never classified stays unknown.
     """
     parameters = parameters or TerrainGridParameters()
@@ -94,10 +116,11 @@ def terrain_grid(
     first = np.round(np.array(origin_m) / resolution_m).astype(np.int64)
     low = (first * resolution_m).tolist()
     high = ((first + np.array([columns, rows])) * resolution_m).tolist()
-    centres, evidence = vegetation_map.surface(([*low, -1e3], [*high, 1e3]))
+    centres, evidence, solid = vegetation_map.surface(([*low, -1e3], [*high, 1e3]))
     index = np.floor(centres[:, :2] / resolution_m).astype(np.int64) - first
     inside = ((index >= 0) & (index < [columns, rows])).all(axis=1)
-    index, height, evidence = index[inside], centres[inside, 2], evidence[inside]
+    index, height = index[inside], centres[inside, 2]
+    evidence, solid = evidence[inside], solid[inside]
     flat = index[:, 1] * columns + index[:, 0]
     lowest = np.full(rows * columns, np.inf)
     np.minimum.at(lowest, flat, height)
@@ -106,7 +129,7 @@ def terrain_grid(
     above = height - ground[flat]
     level = above < parameters.step_m
     occupied = np.zeros(rows * columns, np.bool_)
-    occupied[flat[~level & (above < parameters.robot_height_m)]] = True
+    occupied[flat[solid & ~level & (above < parameters.robot_height_m)]] = True
     classified = level & np.isfinite(evidence)
     sums = np.bincount(flat[classified], evidence[classified], rows * columns)
     known = np.bincount(flat[classified], minlength=rows * columns) > 0

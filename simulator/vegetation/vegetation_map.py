@@ -62,7 +62,17 @@ class VegetationMap:
         """Evidence for vegetation `(n,)`, without the prior; NaN where it was never measured."""
         return self.octree.channel_log_odds(_CHANNEL, points_m)
 
-    def surface(self, bounds_m: tuple[ArrayLike, ArrayLike] | None = None) -> tuple[Array, Array]:
-        """Centres `(n, 3)` of occupied voxels, in a box if one is given, and their log odds."""
-        centres = self.octree.occupied_voxels(bounds_m)
-        return centres, self.log_odds(centres)
+    def surface(
+        self, bounds_m: tuple[ArrayLike, ArrayLike] | None = None
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Voxels that beams ended in, in a box if one is given.
+
+        Returns centres `(n, 3)`, evidence for vegetation `(n,)`, and whether they are occupied.
+        Beams that graze the ground free voxels of it that others have hit: classified voxels are
+        surface all the same.
+        """
+        centres, occupancy = self.octree.known_voxels(bounds_m)
+        evidence = self.log_odds(centres)
+        occupied = occupancy >= 0
+        hit = occupied | np.isfinite(evidence)
+        return centres[hit], evidence[hit], np.asarray(occupied[hit])

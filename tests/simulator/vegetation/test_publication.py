@@ -21,7 +21,7 @@ def test_a_mission_gets_cells_and_classes() -> None:
     chance = np.array([[0.1, 0.9, np.nan], [0.2, 0.4, 0.6]])
     message = mission_map(grid(chance))
     assert (message["width"], message["height"]) == (3, 2)
-    assert message["terrain_classes"] == ["paved", "vegetation"]
+    assert message["terrain_classes"] == ["paved", "vegetation", "verge"]
     assert unpacked(message["cells"], (2, 3), np.int8).tolist() == [[0, 0, -1], [0, 0, 0]]
     assert unpacked(message["terrain"], (2, 3), np.uint8).tolist() == [[0, 1, 0], [0, 0, 1]]
 

@@ -60,3 +60,23 @@ def test_coarser_cells_take_the_worst() -> None:
     assert grid.cells.tolist() == [[0, 100], [-1, 0]]
     assert grid.is_vegetation().tolist() == [[True, False], [False, False]]
     assert grid.resolution_m == 0.2
+
+
+def test_the_verge_keeps_wheels_off_the_grass() -> None:
+    chance = np.full((6, 20), 0.1)
+    chance[:, 12:] = 0.9
+    grid = TerrainGrid(np.zeros((6, 20), np.int8), chance, 0.1, (0.0, 0.0))
+    assert grid.terrain(0.35)[0].tolist() == [0] * 9 + [2] * 3 + [1] * 8
+    assert (grid.terrain()[0] == chance[0].round()).all()
+
+
+def test_specks_take_the_class_around_them() -> None:
+    chance = np.full((20, 20), 0.1)
+    chance[:, 10:] = 0.9
+    chance[3, 3] = 0.9
+    chance[5:7, 15:17] = 0.1
+    chance[10:14, 2:6] = 0.9
+    grid = TerrainGrid(np.zeros((20, 20), np.int8), chance, 0.1, (0.0, 0.0))
+    found = grid.without_specks(0.1).is_vegetation()
+    assert found[:, 10:].all()
+    assert found[:, :10].sum() == 16

@@ -64,6 +64,20 @@ def test_a_moving_scanner_frees_space_from_where_it_was() -> None:
 def test_the_surface_is_what_beams_ended_at() -> None:
     vegetation_map = VegetationMap()
     vegetation_map.insert(POINT, SENSOR, np.array([0.9]))
-    centres, evidence = vegetation_map.surface()
+    centres, evidence, occupied = vegetation_map.surface()
+    assert occupied.all()
     assert centres == pytest.approx(POINT)
     assert evidence[0] > 2
+
+
+def test_ground_that_grazing_beams_pass_stays_surface() -> None:
+    vegetation_map = VegetationMap()
+    vegetation_map.insert(POINT, SENSOR, np.array([0.9]))
+    beyond = np.array([[2.05, 0.25, 0.05]])
+    for _ in range(5):
+        vegetation_map.insert(beyond, np.array([0.05, 0.25, 0.05]), np.array([0.1]))
+    centres, evidence, occupied = vegetation_map.surface()
+    first = np.linalg.norm(centres - POINT, axis=1).argmin()
+    assert centres[first] == pytest.approx(POINT[0])
+    assert evidence[first] > 2
+    assert not occupied[first]
