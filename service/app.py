@@ -6,9 +6,10 @@ from contextlib import asynccontextmanager
 
 from anyio import to_thread
 from fastapi import FastAPI
+from opentelemetry import trace
 
 from domains import catalogue
-from service import json_body, problem_details
+from service import json_body, problem_details, tracing
 from service.access import Gate
 from service.coordination.ports import Planners
 from service.coordination.registry import Missions
@@ -67,11 +68,21 @@ class MissionPlanners:
             self._threads.close()
 
 
-def create_app(settings: Settings | None = None) -> FastAPI:
-    """The coordination service; opens its database when it starts, not before."""
+def create_app(
+    settings: Settings | None = None, tracer_provider: trace.TracerProvider | None = None
+) -> FastAPI:
+    """The coordination service; opens its database when it starts, not before.
+
+    Args:
+        tracer_provider: where spans go, if not to the endpoint of the settings.
+    """
     settings = settings or Settings()
 
-    metrics = Metrics()
+    provider = tracer_provider
+    if provider is None and settings.traces_to is not None:
+        provider = tracing.exported_to(settings.traces_to)
+    tracer = (provider or trace.NoOpTracerProvider()).get_tracer("marsupial")
+    metrics = Metrics(tracer)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -88,7 +99,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         )
         app.state.store, app.state.executor = store, pool
         app.state.mission_executor = planning.executor
-        app.state.planning_requests = PlanningRequests(PlanStore(engine), pool, catalogue.ROOT)
+        app.state.planning_requests = PlanningRequests(
+            PlanStore(engine), pool, catalogue.ROOT, tracer
+        )
         library = Library(ResourceStore(engine))
         await to_thread.run_sync(library.install_built_in)
         app.state.library = library
@@ -127,6 +140,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         summary="Coordinates teams of unlike robots by temporal planning",
         version=importlib.metadata.version("marsupial"),
         lifespan=lifespan,
+        telemetry=tracing.of_requests(provider),
     )
     app.state.settings = settings
     app.state.metrics = metrics

@@ -33,6 +33,8 @@ class Settings(BaseModel):
     """Planning requests that wait at most."""
     planning_memory_mb: int = Field(default=4096, ge=256)
     """Address space of a worker process [MiB]."""
+    traces_to: str | None = None
+    """OTLP endpoint for traces, such as http://host:4318/v1/traces; None traces nothing."""
     drain_s: float = Field(default=10.0, ge=0.0)
     """How long planning requests under way may take when the service is asked to stop."""
     max_pddl_bytes: int = Field(default=2 * 2**20, ge=1024)

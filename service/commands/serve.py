@@ -18,6 +18,7 @@ from service.commands.exit_codes import INPUT_ERROR, USAGE_ERROR
 from service.draining import Draining
 from service.settings import ExecutorName, Settings
 from service.store.engine import DatabaseUrlError, connect
+from service.tracing import trace_id
 
 DRAIN_S = 10
 """How long requests under way may take after SIGTERM."""
@@ -67,6 +68,13 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
             help="A mission fails when for so long the team could do nothing [s, fleet clock].",
         ),
     ] = 300.0,
+    traces_to: Annotated[
+        str | None,
+        typer.Option(
+            help="OTLP endpoint for traces, such as http://localhost:4318/v1/traces "
+            "(extra marsupial[telemetry])."
+        ),
+    ] = None,
     json_logs: Annotated[
         bool, typer.Option("--json-logs", help="Log a JSON object a line.")
     ] = False,
@@ -91,6 +99,8 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
     except Exception as error:
         _refuse(f"the database {db} cannot be opened: {error}", INPUT_ERROR)
     log_to_stderr(as_json=json_logs)
+    if traces_to is not None and find_spec("opentelemetry.exporter") is None:
+        _refuse("traces need an exporter: pip install 'marsupial[telemetry]'", USAGE_ERROR)
     settings = Settings(
         database_url=db,
         api_keys=api_keys,
@@ -102,6 +112,7 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         planning_memory_mb=worker_memory_mb,
         give_up_s=give_up_s,
         hopeless_s=hopeless_s,
+        traces_to=traces_to,
     )
     app = create_app(settings)
     server = DrainingServer(
@@ -175,6 +186,8 @@ class JsonLines(logging.Formatter):
             "logger": record.name,
             "message": record.getMessage(),
         }
+        if (trace := trace_id()) is not None:
+            line["trace_id"] = trace
         if record.exc_info:
             line["exception"] = self.formatException(record.exc_info)
         return json.dumps(line)

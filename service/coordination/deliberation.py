@@ -35,6 +35,8 @@ class Deliberation:
     fleet: str
     strategy: Strategy
     situation: Situation
+    traceparent: str | None = None
+    """The span that asks for it."""
     overhead_limit_s: float = 60.0
     """Time that a decision may take beside its searches before it is stopped by force [s]."""
 

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from opentelemetry.trace import Tracer
+
 from service.coordination.deliberation import Decided, Deliberation
 from service.coordination.events import Event
 from service.messages.mission import CreateMission, MissionRequest
@@ -64,6 +66,9 @@ class Resources(Protocol):
 
 class Observer(Protocol):
     """Hears of what the loop does, to measure it."""
+
+    tracer: Tracer
+    """Opens spans."""
 
     def noticed(self, count: int) -> None:
         """Facts came in that ask for a replan."""

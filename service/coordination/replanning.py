@@ -12,6 +12,9 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
+from opentelemetry import trace
+from opentelemetry.context import Context
+
 from semantic_attachments.world import RobotModel
 from service.coordination import dispatch
 from service.coordination.deliberation import Decided, Deliberation, shared
@@ -24,6 +27,7 @@ from service.coordination.remarks import remarks_without_plan
 from service.coordination.situation import situation
 from service.coordination.strategy import NoPlanError, Situation, Strategy
 from service.messages.report import Command
+from service.tracing import tell_past, traceparent
 
 LOG = logging.getLogger(__name__)
 
@@ -42,6 +46,14 @@ class LoopParameters:
     """A mission fails when for so long the team could do nothing [fleet clock]."""
     retry_s: float = 1.0
     """When to try again after the log refused [wall clock]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """The span in which a fact was noticed, and when."""
+
+    span: trace.SpanContext
+    at_ns: int
 
 
 class Replanning:
@@ -69,6 +81,7 @@ class Replanning:
         self._observer = observer
         self._facts: list[str] = []
         self._facts_since_s = 0.0
+        self._causes: list[Cause] = []
         self._replanning: asyncio.Task[None] | None = None
         self._fleet = _client_of(ledger.mission)
         self._quiet = asyncio.Event()
@@ -79,6 +92,7 @@ class Replanning:
         """Asks for a replan because of these facts."""
         if not self._facts:
             self._facts_since_s = time.monotonic()
+        self._causes.append(Cause(trace.get_current_span().get_span_context(), time.time_ns()))
         self._observer.noticed(len(found))
         self._facts += found
         self._quiet.clear()
@@ -109,7 +123,7 @@ class Replanning:
                 found, self._facts = self._facts, []
                 since_s = self._facts_since_s
                 try:
-                    outcome = await self._replan_once("; ".join(dict.fromkeys(found)))
+                    outcome = await self._traced("; ".join(dict.fromkeys(found)))
                     self._observe(outcome, time.monotonic() - since_s)
                 except StoreError as error:
                     LOG.error("mission %s: %s; trying again", self._ledger.mission.id, error)
@@ -117,6 +131,22 @@ class Replanning:
                     await asyncio.sleep(self._parameters.retry_s)
         finally:
             self._quiet.set()
+
+    async def _traced(self, trigger: str) -> str:
+        """How a replan ended; a span of the trace that gave the first cause."""
+        causes, self._causes = self._causes, []
+        first, *others = causes or [Cause(trace.INVALID_SPAN_CONTEXT, time.time_ns())]
+        parent = trace.set_span_in_context(trace.NonRecordingSpan(first.span), Context())
+        with self._observer.tracer.start_as_current_span(
+            "replan",
+            context=parent,
+            links=[trace.Link(cause.span) for cause in others if cause.span.is_valid],
+            start_time=first.at_ns,
+            attributes={"mission": self._ledger.mission.id, "trigger": trigger},
+        ) as span:
+            outcome = await self._replan_once(trigger)
+            span.set_attribute("outcome", outcome)
+        return outcome
 
     def _observe(self, outcome: str, duration_s: float) -> None:
         plan = self._ledger.mission.plan if outcome == "new plan" else None
@@ -142,7 +172,12 @@ class Replanning:
         mission_id = self._ledger.mission.id
         try:
             decision = await self._planners.decide(
-                Deliberation(mission_id, self._fleet, self._strategy, snapshot)
+                Deliberation(mission_id, self._fleet, self._strategy, snapshot, traceparent())
+            )
+            tell_past(
+                self._observer.tracer,
+                ("strategy", decision.proposing_s),
+                ("paths", decision.routing_s),
             )
         except NoPlanError as error:
             outcome: Decided | str = f"{snapshot.trigger}: {error}"

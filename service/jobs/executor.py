@@ -32,6 +32,11 @@ class Work(Protocol):
         """Work of one affinity shares what attachments keep, if it comes to the same worker."""
         ...
 
+    @property
+    def traceparent(self) -> str | None:
+        """The span that asks for it (W3C Trace Context)."""
+        ...
+
     def answer(self, tell: Tell, memory: Memory) -> None:
         """Computes, in the worker; the last thing told is `finished` or `failed`."""
         ...

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from opentelemetry.trace import Tracer
 from pydantic import ValidationError
 
 from service.coordination.ports import KeyReusedError
@@ -14,6 +15,7 @@ from service.jobs.executor import LAST, Executor, QueueFullError, Run, Told
 from service.jobs.work import PlanningWork
 from service.messages.planning import PlanOut, PlanRequest, PlanResult, PlanStatus
 from service.store.plan_store import PlanStore
+from service.tracing import traceparent
 
 LOG = logging.getLogger(__name__)
 
@@ -44,11 +46,12 @@ class Following:
 class PlanningRequests:
     """All planning requests of a service."""
 
-    def __init__(self, store: PlanStore, executor: Executor, domains: Path) -> None:
+    def __init__(self, store: PlanStore, executor: Executor, domains: Path, tracer: Tracer) -> None:
         self._store = store
         self._executor = executor
         self._domains = domains
         self._open: dict[str, Following] = {}
+        self._tracer = tracer
         self._hushed = False
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -167,8 +170,12 @@ class PlanningRequests:
         task.add_done_callback(self._tasks.discard)
 
     async def _run(self, following: Following, run: Run) -> None:
-        async for told in run.told():
-            await self._publish(following, told)
+        with self._tracer.start_as_current_span(
+            "planning request", attributes={"request": following.id}
+        ) as span:
+            async for told in run.told():
+                await self._publish(following, told)
+            span.set_attribute("status", following.status)
         # Found in the store from now on.
         self._open.pop(following.id, None)
 
@@ -194,6 +201,7 @@ class PlanningRequests:
             memory_limit_mb=request.memory_limit_mb,
             first_plan_only=request.first_plan_only,
             map=None if request.map is None else request.map.model_dump(),
+            traceparent=traceparent(),
             robot_types={name: kind.model_dump() for name, kind in request.robot_types.items()},
         )
 

@@ -20,6 +20,7 @@ from service.jobs.executor import LAST, Told
 from service.jobs.parcels import Receiving
 from service.jobs.worker import RELIEF_SHARE, limit_memory, mapped_mb, resident_mb
 from service.jobs.worker_pool import PoolParameters, WorkerPool
+from service.tracing import continued
 
 LOG = logging.getLogger(__name__)
 OBJECT_STORE_BYTES = 80 * 2**20
@@ -90,7 +91,8 @@ class PlanningActor:
 
         def compute() -> None:
             try:
-                work.answer(news.put, memory)
+                with continued(work.traceparent):
+                    work.answer(news.put, memory)
             except BaseException as error:
                 news.put({"kind": "failed", "outcome": "crashed", "message": repr(error)})
 

@@ -29,6 +29,8 @@ class PlanningWork:
     """The map in the protocol's encoding, for domains with modules."""
     robot_types: dict[str, dict[str, Any]] | None = None
     affinity: str | None = None
+    traceparent: str | None = None
+    """The span that asks for it."""
 
     @property
     def hard_limit_s(self) -> float:

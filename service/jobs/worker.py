@@ -10,6 +10,7 @@ from pathlib import Path
 
 from service.jobs.executor import Told
 from service.jobs.parcels import Receiving
+from service.tracing import continued
 
 MIB = 2**20
 NICENESS = 5
@@ -40,7 +41,8 @@ def main(pipe: Connection, memory_limit_mb: int) -> None:
             work, memory = receiving.unpack(pipe.recv_bytes())
         except EOFError:
             return
-        work.answer(tell, memory)
+        with continued(work.traceparent):
+            work.answer(tell, memory)
         if resident_mb() > memory_limit_mb * RELIEF_SHARE:
             receiving.relieve()
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from semantic_attachments.contract import Memory
 from semantic_attachments.world import GridMap
 from service.jobs.executor import Tell
+from service.tracing import trace_id
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class OddWork:
     grid: GridMap | None = None
     size_mb: int = 0
     name: str = ""
+    traceparent: str | None = None
 
     def answer(self, tell: Tell, memory: Memory) -> None:
         match self.what:
@@ -47,5 +49,6 @@ class OddWork:
                 "before": before,
                 "grid": None if self.grid is None else self.grid.digest,
                 "name": self.name,
+                "trace": trace_id(),
             }
         )
