@@ -30,7 +30,11 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         int, typer.Option(min=0, max=65535, help="TCP port; 0 takes a free one.")
     ] = 8080,
     db: Annotated[
-        str, typer.Option(help="Database URL: sqlite:///FILE or postgresql+psycopg://...")
+        str,
+        typer.Option(
+            envvar="MARSUPIAL_DB",
+            help="Database URL: sqlite:///FILE or postgresql+psycopg://...",
+        ),
     ] = "sqlite:///marsupial.sqlite",
     keys: Annotated[
         Path | None, typer.Option(help="TOML file of API keys, made by `marsupial new-key`.")
