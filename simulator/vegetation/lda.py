@@ -50,7 +50,7 @@ def train_lda(features: NDArray[np.float64], vegetation: NDArray[np.bool_]) -> L
     """Trains on features `(n, d)` with labels `(n,)`.
 
     Raises:
-        ValueError: one class has fewer than two samples.
+        ValueError: one class has fewer than two samples, or a feature follows from the others.
     """
     from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 
@@ -58,7 +58,13 @@ def train_lda(features: NDArray[np.float64], vegetation: NDArray[np.bool_]) -> L
     if min(y.sum(), (~y).sum()) < 2:
         raise ValueError("training needs samples of both classes; one has fewer than two")
     analysis = LinearDiscriminantAnalysis(solver="eigen", n_components=1, priors=[0.5, 0.5])
-    projection = np.asarray(analysis.fit(features, y).scalings_[:, 0], dtype=np.float64)
+    try:
+        fitted = analysis.fit(features, y)
+    except np.linalg.LinAlgError:
+        raise ValueError(
+            "the features are linearly dependent, one may be constant: leave it out"
+        ) from None
+    projection = np.asarray(fitted.scalings_[:, 0], dtype=np.float64)
     projected = features @ projection
     deviations = [max(float(projected[y == label].std()), 1e-12) for label in (False, True)]
     means = [float(projected[y == label].mean()) for label in (False, True)]

@@ -7,6 +7,7 @@ shared.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,9 +132,15 @@ def accuracies(ground: Ground, *, quick: bool) -> tuple[list[str], list[list[str
     return ["features (SVM)", *splits], [*rows, linear]
 
 
-def held_out(ground: Ground, folds: Folds, guard_m: float) -> dict[str, NDArray[np.bool_]]:
-    """Classes `(n,)` that each feature set gives to points whose fold was not trained on."""
-    found = {name: np.zeros(len(folds), np.bool_) for name in [*ground.features, "LDA"]}
+def held_out(
+    ground: Ground, folds: Folds, guard_m: float, names: Sequence[str] | None = None
+) -> dict[str, NDArray[np.bool_]]:
+    """Classes `(n,)` that each feature set gives to points whose fold was not trained on.
+
+    `names` restricts the feature sets; LDA on roughness is always there.
+    """
+    chosen = {name: ground.features[name] for name in names or ground.features}
+    found = {name: np.zeros(len(folds), np.bool_) for name in [*chosen, "LDA"]}
     random = np.random.default_rng(0)
     rough = "range, angle, roughness at four scales"
     for fold in np.unique(folds):
@@ -145,7 +152,7 @@ def held_out(ground: Ground, folds: Folds, guard_m: float) -> dict[str, NDArray[
             )
             training = training[~np.isfinite(near)]
         some = _balanced(training, ground.vegetation, random)
-        for name, features in ground.features.items():
+        for name, features in chosen.items():
             # No search: it would look at the test sectors of other folds.
             width = round(np.log2(0.5 / features.shape[1]))
             classifier = train_svm(

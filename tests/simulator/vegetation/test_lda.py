@@ -57,3 +57,9 @@ def test_arrays_there_and_back() -> None:
     classifier = train_lda(features, vegetation)
     again = LdaClassifier.from_arrays(classifier.arrays())
     assert np.array_equal(again.log_odds(features), classifier.log_odds(features))
+
+
+def test_dependent_features_are_refused() -> None:
+    features, vegetation = two_clouds(8)
+    with pytest.raises(ValueError, match="linearly dependent"):
+        train_lda(np.column_stack([features, np.ones(len(features))]), vegetation)
