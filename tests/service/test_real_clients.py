@@ -21,7 +21,7 @@ from travelling import DOMAIN, problem
 from service.settings import Settings
 
 pytestmark = pytest.mark.slow
-PROBLEM = problem(4)
+PROBLEM = problem(4).rstrip().removesuffix(")") + "(:metric minimize (total-time)))\n"
 PARSE = """
 const {parser} = require("pddl-workspace");
 const text = require("fs").readFileSync(0, "utf8");
