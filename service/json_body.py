@@ -12,6 +12,8 @@ from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel, ValidationError
 
+from service.examples import EXAMPLES
+from service.openapi_links import add_links
 from service.problem_details import ProblemError, from_validation
 
 M = TypeVar("M", bound=BaseModel)
@@ -45,10 +47,10 @@ def json_body(model: type[M]) -> Callable[[Request], Awaitable[M]]:
     return read
 
 
-def described(model: type[BaseModel], example: Any = None) -> dict[str, Any]:
+def described(model: type[BaseModel]) -> dict[str, Any]:
     """`openapi_extra` of a route whose body `json_body(model)` reads."""
     media: dict[str, Any] = {"schema": {"$ref": SCHEMAS.format(model=model.__name__)}}
-    if example is not None:
+    if (example := EXAMPLES.get(model.__name__)) is not None:
         media["example"] = example
     return {"requestBody": {"required": True, "content": {"application/json": media}}}
 
@@ -66,6 +68,7 @@ def install_openapi(app: FastAPI, bodies: Sequence[type[BaseModel]]) -> None:
                 schema = model.model_json_schema(ref_template=SCHEMAS)
                 schemas.update(schema.pop("$defs", {}))
                 schemas[model.__name__] = schema
+            add_links(document)
             app.openapi_schema = document
         return app.openapi_schema
 

@@ -15,14 +15,6 @@ from service.routes.resource_access import summarised
 from service.routes.resources import Noun, router
 from service.store.resource_store import Content, Stored
 
-EXAMPLE = {
-    "text": "(define (domain errands)\n  (:requirements :typing :durative-actions)\n"
-    "  (:types robot place)\n  (:predicates (at ?r - robot ?p - place))\n"
-    "  (:durative-action go\n    :parameters (?r - robot ?a ?b - place)\n"
-    "    :duration (= ?duration 5)\n    :condition (at start (at ?r ?a))\n"
-    "    :effect (and (at start (not (at ?r ?a))) (at end (at ?r ?b)))))\n"
-}
-
 
 async def read(request: Request, body: bytes, formulation: str | None) -> Content:
     """The domain in a body; PDDL as `text/plain` does, too."""
@@ -57,7 +49,5 @@ def show(stored: Stored) -> DomainVersion:
     )
 
 
-ROUTER = router(
-    Noun("domain", "domains", read, show, DomainVersion, described(DomainUpload, EXAMPLE))
-)
+ROUTER = router(Noun("domain", "domains", read, show, DomainVersion, described(DomainUpload)))
 BODIES = (DomainUpload,)

@@ -12,13 +12,6 @@ from service.routes.resource_access import summarised
 from service.routes.resources import Noun, router
 from service.store.resource_store import Content, Stored
 
-EXAMPLE = {
-    "resolution_m": 0.5,
-    "origin_m": [0.0, 0.0],
-    "width": 4,
-    "height": 3,
-    "cells": "eJxLSUlJYWBgSAEBABZQA4U=",
-}
 MULTIPART = {
     "multipart/form-data": {
         "schema": {
@@ -56,7 +49,7 @@ def show(stored: Stored) -> MapVersion:
 
 
 def _upload() -> dict[str, object]:
-    body = described(MapMessage, EXAMPLE)
+    body = described(MapMessage)
     pair = described(MapPair)["requestBody"]["content"]["application/json"]["schema"]
     json = body["requestBody"]["content"]["application/json"]
     json["schema"] = {"anyOf": [json["schema"], pair]}

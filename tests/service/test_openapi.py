@@ -1,5 +1,6 @@
 """Whatever a client sends within or beyond the OpenAPI document, no answer is a 5xx."""
 
+import re
 import subprocess
 import sys
 import threading
@@ -10,8 +11,10 @@ from typing import Any
 
 import pytest
 import uvicorn
+from in_process import serving
 
 from service.app import create_app
+from service.examples import EXAMPLES
 from service.settings import Settings
 
 
@@ -57,6 +60,46 @@ def _references(node: Any) -> Iterator[str]:
     elif isinstance(node, list):
         for value in node:
             yield from _references(value)
+
+
+def test_every_body_has_an_example_that_the_service_accepts() -> None:
+    app = create_app(Settings(database_url="sqlite://", planning_processes=1))
+    document = app.openapi()
+    with serving(app) as client:
+        mission = client.post("/v1/missions", json=EXAMPLES["MissionRequest"]).json()["id"]
+        names = {"mission_id": mission, "name": "example", "plan_id": "x"}
+        names |= {"planner_name": "marsupial", "service": "solve"}
+        # In this order: a cut-off mission would refuse what comes after it.
+        for path, operations in document["paths"].items():
+            for method, operation in operations.items():
+                if "requestBody" not in operation:
+                    continue
+                media = operation["requestBody"]["content"]["application/json"]
+                assert "example" in media, f"{method} {path}"
+                url = path.format(**names)
+                answer = client.request(method.upper(), url, json=media["example"])
+                assert answer.status_code in (200, 201, 202), f"{method} {path}: {answer.text}"
+                if not path.startswith(("/v1", "/check")):
+                    assert "rror" not in answer.text.replace('"error":""', ""), answer.text
+
+
+def test_links_lead_to_operations_with_these_parameters() -> None:
+    document = create_app(Settings(database_url="sqlite://")).openapi()
+    operations = {
+        operation["operationId"]: (path, operation)
+        for path, methods in document["paths"].items()
+        for operation in methods.values()
+    }
+    assert len(operations) == sum(len(methods) for methods in document["paths"].values())
+    count = 0
+    for methods in document["paths"].values():
+        for operation in methods.values():
+            for answer in operation["responses"].values():
+                for link in answer.get("links", {}).values():
+                    path, _ = operations[link["operationId"]]
+                    assert set(re.findall(r"{(\w+)}", path)) == set(link["parameters"])
+                    count += 1
+    assert count > 15
 
 
 @pytest.mark.slow
