@@ -203,7 +203,9 @@ class Replanning:
                             time_s=time_s,
                             reason=outcome,
                             hopeless=hopeless,
-                            remarks=remarks_without_plan(snapshot, outcome),
+                            remarks=remarks_without_plan(
+                                snapshot, outcome.removeprefix(f"{snapshot.trigger}: ")
+                            ),
                         )
                     ]
                 )

@@ -104,7 +104,7 @@ def situation(
         if mission.plan is not None and mission.plan.validated and not mission.plan_disturbed
         else (),
         done=tuple(mission.done),
-        avoid=_avoid(mission),
+        avoid=avoided(mission),
         priorities=_by_target(mission, Priority, lambda order: order.priority),
         deadlines_s=_by_target(mission, Deadline, lambda order: order.time_s),
         instructions=tuple(
@@ -113,7 +113,7 @@ def situation(
     )
 
 
-def _avoid(mission: Mission) -> frozenset[tuple[str, str]]:
+def avoided(mission: Mission) -> frozenset[tuple[str, str]]:
     """Robots and places that do not go together: by experience, and by a person's word."""
     pairs = {pair for pair, count in mission.failures.items() if count >= FAILURES_TOLERATED}
     for given in mission.instructions.values():

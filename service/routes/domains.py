@@ -17,12 +17,14 @@ from service.store.resource_store import Content, Stored
 
 
 async def read(request: Request, body: bytes, formulation: str | None) -> Content:
-    """The domain in a body; PDDL as `text/plain` does, too."""
+    """The domain in a body; PDDL as `text/plain` does, too, with `?formulation=NAME`."""
     settings = request.app.state.settings
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     try:
         if kind == "text/plain":
-            upload = DomainUpload(text=body.decode())
+            asked = request.query_params.get("formulation")
+            more = {} if asked is None else {"formulation": asked}
+            upload = DomainUpload(text=body.decode(), **more)
         else:
             upload = DomainUpload.model_validate_json(body)
     except ValidationError as error:

@@ -129,6 +129,7 @@ def test_a_target_behind_a_wall_just_sensed_is_waited_for(client: InProcessClien
     sealed = patch(1, 9, [[100, 100]] * 7)
     answer = tell(client, url, team, sealed)
     assert answer["mission"]["status"] == "delayed"
+    assert answer["commands"] == []  # rather than into the wall
     answer = tell(client, url, team, OPEN)
     assert answer["mission"]["status"] == "underway"
     assert drive(client, url, team) == "completed"

@@ -161,3 +161,19 @@ def test_where_nothing_can_be_planned_the_reason_is_told(
     instruct(client, url, kind="take-over", robot="left")
     assert client.get(url).json()["status"] == "delayed"
     assert remark(client, url, priority).startswith("nothing can be planned")
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_a_robot_stops_rather_than_go_where_it_shall_not(
+    client: InProcessClient, strategy: str
+) -> None:
+    url, team = begun(client, strategy=strategy)
+    for target in ("target_1", "target_2"):
+        client.delete(f"{url}/targets/{target}", headers=WAIT)
+    assert goals(tell(client, url, team)) == {"left": "target_3"}
+    where = instruct(client, url, kind="forbid", robot="left", location="target_3")
+    answer = tell(client, url, team)
+    assert answer["mission"]["status"] == "delayed"
+    assert "target_3" not in goals(answer).values()
+    client.delete(where, headers=WAIT)
+    assert goals(tell(client, url, team)) == {"left": "target_3"}

@@ -201,6 +201,16 @@ def test_missions_plan_with_the_domain_that_they_name(client: InProcessClient) -
     assert durations == {7.0}
 
 
+def test_a_text_names_its_formulation_in_the_address(client: InProcessClient) -> None:
+    plain = {"Content-Type": "text/plain"}
+    path = "/v1/domains/careful?formulation="
+    answer = client.request("PUT", path + "disaster", content=DISASTER, headers=plain)
+    assert answer.json()["formulation"] == "disaster"
+    assert client.request("PUT", path + "x", content=DISASTER, headers=plain).status_code == 422
+    cut = client.request("PUT", "/v1/domains/careful", content=b"\xff(", headers=plain)
+    assert cut.json()["errors"][0]["location"] == "/text"
+
+
 def test_a_domain_without_formulation_is_for_planning_requests(client: InProcessClient) -> None:
     put_domain(client, "errands", DOMAIN)
     body = {**fleet().mission(ROOMS, TARGETS), "domain": "errands"}

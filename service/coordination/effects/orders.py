@@ -2,6 +2,10 @@
 
 from service.coordination.events import CommandGivenUp, OrdersIssued, PlanningFailed
 from service.coordination.mission import Mission, PlanInForce
+from service.coordination.situation import avoided
+from service.messages.report import Command
+
+BUSY = ("clearing", "docking", "undocking")
 
 
 def apply_orders(mission: Mission, event: OrdersIssued) -> None:
@@ -45,7 +49,10 @@ def give_up(mission: Mission, event: CommandGivenUp) -> None:
 
 
 def plan_failed(mission: Mission, event: PlanningFailed) -> None:
-    """A strategy found nothing."""
+    """A strategy found nothing: what is in force goes on, but for orders that make no sense now."""
+    for robot_id, command in list(mission.commands.items()):
+        if mission.robots[robot_id].state not in BUSY and _is_void(mission, command):
+            mission.drop_command(robot_id)
     mission.remark(event.remarks)
     mission.plannings += 1
     mission.decide(event.time_s, "no plan", event.reason)
@@ -54,3 +61,14 @@ def plan_failed(mission: Mission, event: PlanningFailed) -> None:
         mission.hopeless_since_s = None
     elif mission.hopeless_since_s is None:
         mission.hopeless_since_s = event.time_s
+
+
+def _is_void(mission: Mission, command: Command) -> bool:
+    """Whether a robot should stop rather than carry out a command, plan or no plan."""
+    place = command.location or ""
+    if command.id in mission.barred or (command.robot, place) in avoided(mission):
+        return True
+    target, blockade = mission.targets.get(place), mission.blockades.get(place)
+    return (target is not None and not target.is_open) or (
+        blockade is not None and blockade.cleared_by is not None
+    )
