@@ -8,9 +8,8 @@ import numpy as np
 
 from scenarios.benchmarks.attachments.hospital import hospital_world
 from scenarios.benchmarks.attachments.measuring import table
-from semantic_attachments.contract import Memory
 from semantic_attachments.lazy import solve_lazily
-from semantic_attachments.motion import MotionWorkers, motion_costs
+from semantic_attachments.motion import MotionCosts, MotionWorkers
 from semantic_attachments.motion_parameters import MotionParameters
 from semantic_attachments.motion_space import quiet_and_seeded
 from semantic_attachments.path_costs import PathCosts
@@ -122,30 +121,29 @@ def many_robots(quick: bool) -> str:
       (:init {" ".join(f"(at robot_{i} start_{i})" for i in range(robots))})
       (:goal (and {" ".join(f"(visited {p})" for p in places if p[0] == "t")}))
       (:metric minimize (total-time)))"""
-    memory, begun_cpu_s = Memory(), _cpu_s()
+    workers, begun_cpu_s = MotionWorkers(MotionParameters()), _cpu_s()
     rows = []
     for name in ("cold", "roadmaps kept"):
-        costs = motion_costs(world, memory)
+        costs = MotionCosts(world, workers)
         begun_s = perf_counter()
         found = solve_lazily(DOMAIN, problem, {"motionCost": costs}, timeout_s=6.0, seed=SEED)
         wall_s = perf_counter() - begun_s
         plan = found.result.plan
         makespan_s = plan.makespan if plan else inf
         rows.append([name, wall_s, found.exact, found.rounds, found.refined, makespan_s])
-    _close(memory)
+    workers.close()
     lazy_cpu_s, begun_cpu_s, begun_s = _cpu_s() - begun_cpu_s, _cpu_s(), perf_counter()
-    memory = Memory()
-    costs = motion_costs(world, memory)
+    costs = MotionCosts(world, workers)
     targets_at = [place for place in places if place[0] == "t"]
     calls = [(robot, a, b) for robot in models for a in places for b in targets_at]
     durations_s = costs.many(calls)
     all_s = perf_counter() - begun_s
     some = calls[: len(targets_at)]
-    again = motion_costs(world, memory)
+    again = MotionCosts(world, workers)
     begun_s = perf_counter()
     again.many(some)
     query_ms = (perf_counter() - begun_s) / len(some) * 1e3
-    _close(memory)
+    workers.close()
     columns = ["workers", "wall [s]", "true durations", "rounds", "motions planned", "makespan [s]"]
     title = f"Planning with OMPL's durations, hospital, {robots} robots and {targets} targets"
     finite = sum(duration_s < inf for duration_s in durations_s)
@@ -161,9 +159,3 @@ def _cpu_s() -> float:
     """CPU time of this process and of those it waited for [s]."""
     own, others = getrusage(RUSAGE_SELF), getrusage(RUSAGE_CHILDREN)
     return own.ru_utime + own.ru_stime + others.ru_utime + others.ru_stime
-
-
-def _close(memory: Memory) -> None:
-    workers = memory.get("motion", MotionWorkers)
-    if workers is not None:
-        workers.close()

@@ -16,11 +16,22 @@ struct Record {
     onward: u8,
 }
 
+/// Half the length of each step: it counts for both of its cells.
+const HALF_STEPS: [f64; 8] = {
+    let mut halves = STEP_LENGTHS;
+    let mut step = 0;
+    while step < 8 {
+        halves[step] *= 0.5;
+        step += 1;
+    }
+    halves
+};
+
 /// Length of a step between cells of two multipliers, in cells times multiplier.
 #[must_use]
 #[inline]
 pub fn step_length(step: usize, from: f32, to: f32) -> f64 {
-    STEP_LENGTHS[step] * (0.5 * (f64::from(from) + f64::from(to)))
+    HALF_STEPS[step] * (f64::from(from) + f64::from(to))
 }
 
 /// Length of the shortest path from `source` to each cell, in cells times multiplier; multipliers are at least 1.
@@ -45,13 +56,13 @@ pub fn weighted_lengths(
         })
         .collect();
     records[source as usize].length = 0.0;
-    // No edge is shorter than 1, the width of a bucket.
-    let mut buckets = Buckets::new((largest * std::f64::consts::SQRT_2).ceil() as usize + 1);
+    // No edge is shorter than 1.
+    let mut buckets = Buckets::new((largest * std::f64::consts::SQRT_2).ceil() as usize + 2);
     buckets.push(0, source);
     while let Some((number, cells)) = buckets.pop() {
         for &cell in &cells {
             let from = records[cell as usize];
-            if from.length as u64 != number {
+            if bucket(from.length) != number {
                 continue; // a shorter path settled it in an earlier bucket
             }
             // A cell that is twice in the bucket is settled once.
@@ -66,13 +77,22 @@ pub fn weighted_lengths(
                 if reached < to.length {
                     to.length = reached;
                     to.onward = onward[step];
-                    buckets.push(reached as u64, next);
+                    buckets.push(bucket(reached), next);
                 }
             }
         }
         buckets.give_back(cells);
     }
     records.iter().map(|record| record.length).collect()
+}
+
+/// The bucket of a length: the nearest integer, by the bits that are left of it beside the largest number with a fraction.
+///
+/// A bucket is a little narrower than a step is short, lest two ends of a step halfway between integers share one.
+#[inline]
+fn bucket(length: f64) -> u64 {
+    const LARGEST: f64 = (1_u64 << 52) as f64;
+    (length * 1.000_001 + LARGEST).to_bits() & ((1 << 52) - 1)
 }
 
 /// Steps worth trying after each step.
@@ -92,6 +112,17 @@ fn onward_steps() -> [u8; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_step_never_stays_in_its_bucket() {
+        for (length, expected) in [(0.0, 0), (0.4, 0), (0.6, 1), (7.0, 7), (1e5, 100_000)] {
+            assert_eq!(bucket(length), expected);
+        }
+        for halves in 0..10_000 {
+            let length = 0.5 * f64::from(halves);
+            assert!(bucket(length + 1.0) > bucket(length));
+        }
+    }
 
     #[test]
     fn five_steps_of_eight_go_on() {
