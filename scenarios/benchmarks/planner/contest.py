@@ -22,8 +22,8 @@ class Run:
     family: str
     engine: str
     outcome: str
-    plans: tuple[tuple[float, float], ...] = ()
-    """Valid improving plans: when (CPU time [s]; NaN for peers, which do not say), value."""
+    plans: tuple[tuple[float | None, float], ...] = ()
+    """Valid improving plans: when (CPU time [s]; None for peers, which do not say), value."""
     lower_bound: float = 0.0
     cpu_s: float = 0.0
     peak_mb: float = 0.0
@@ -122,7 +122,7 @@ def _peer(engine: str, instance: Instance, limit_s: float) -> Run:
         instance.family,
         engine,
         result.outcome.value,
-        tuple((float("nan"), value) for value in sorted(values, reverse=True)),
+        tuple((None, value) for value in sorted(values, reverse=True)),
         cpu_s=_cpu_s(resource.RUSAGE_CHILDREN),
         peak_mb=resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024,
     )

@@ -33,7 +33,7 @@ def instances_table(runs: Sequence[Run], engines: Sequence[str], limit_s: float)
         by_engine = {run.engine: run for run in runs if run.instance == name}
         own = by_engine[OWN]
         peers = [_shown(by_engine.get(engine)) for engine in engines[1:]]
-        first_s = f"{own.plans[0][0]:.3f}" if own.plans else "-"
+        first_s = f"{own.plans[0][0] or 0.0:.3f}" if own.plans else "-"
         optimum = f"{OPTIMA_S[name]:g}" if name in OPTIMA_S else "-"
         row = [name, optimum, first_s, _best_at(own, 1.0), _shown(own)]
         rows.append([*row, own.outcome, f"{own.peak_mb:.0f}", *peers])
@@ -97,7 +97,7 @@ def losses(runs: Sequence[Run]) -> str:
 
 
 def _best_at(run: Run, when_s: float) -> str:
-    values = [value for at_s, value in run.plans if at_s <= when_s]
+    values = [value for at_s, value in run.plans if at_s is not None and at_s <= when_s]
     return f"{values[-1]:.2f}" if values else "-"
 
 
