@@ -238,3 +238,32 @@ def _describe(octree: OctreeMap, path: Path) -> None:
             lines["occupied"] = ", ".join(f"{a} {b:.2f} to {c:.2f} m" for a, b, c in spans)
     for name, text in lines.items():
         typer.echo(f"{name:<10} {text}")
+
+
+@app.command()
+def experiments(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Which ones; all if not given.", show_default=False)
+    ] = None,
+    *,
+    quick: Annotated[bool, typer.Option("--quick", help="A small subset, in a minute.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for tables and figures.")] = Path(
+        "out/bench/mapping"
+    ),
+) -> None:
+    """Repeat the mapping experiments: each writes NAME.md and its figures."""
+    from scenarios.benchmarks.mapping.experiments import EXPERIMENTS
+
+    for name in names or EXPERIMENTS:
+        if name not in EXPERIMENTS:
+            raise CommandError(f"no experiment {name!r}: choose from {', '.join(EXPERIMENTS)}")
+    out.mkdir(parents=True, exist_ok=True)
+    for name in names or EXPERIMENTS:
+        title, measure = EXPERIMENTS[name]
+        begin_s = time.process_time()
+        text = f"# {title}\n\n{measure(quick, out)}\n"
+        command = f"marsupial map experiments {name}{' --quick' if quick else ''}"
+        spent_s = time.process_time() - begin_s
+        text += f"\nRepeat with `{command}` ({spent_s:.0f} CPU s).\n"
+        (out / f"{name}.md").write_text(text, encoding="utf-8")
+        typer.echo(text)

@@ -13,54 +13,83 @@ use rustc_hash::FxHashMap;
 
 const WORDS: usize = VOXELS / 64;
 
-/// What a scan says about one brick, one bit a voxel.
+/// What a scan says about one brick, one bit a voxel: a word for each z, in it x from the lowest bit, then y.
 #[derive(Clone, Debug, Default)]
 struct Observed {
     free: [u64; WORDS],
     occupied: [u64; WORDS],
 }
 
+/// Word and bit of a voxel.
+#[inline]
+fn place(voxel: VoxelKey) -> (usize, u64) {
+    let [x, y, z] = voxel.0.map(|k| k & 7);
+    (z as usize, 1 << (x | y << 3))
+}
+
+/// Morton position in a brick of each bit of each word.
+const OFFSETS: [[u16; 64]; WORDS] = {
+    let spread = [0u16, 1, 8, 9, 64, 65, 72, 73];
+    let mut offsets = [[0; 64]; WORDS];
+    let mut z = 0;
+    while z < WORDS {
+        let mut bit = 0;
+        while bit < 64 {
+            offsets[z][bit] = spread[bit & 7] | spread[bit >> 3] << 1 | spread[z] << 2;
+            bit += 1;
+        }
+        z += 1;
+    }
+    offsets
+};
+
 /// What a scan says about all bricks it touches.
 #[derive(Debug, Default)]
 struct ScanBricks {
     index: FxHashMap<BrickKey, usize>,
     bricks: Vec<(BrickKey, Observed)>,
-    current: Option<(BrickKey, usize)>,
+    /// Any voxel of the brick touched last, and that brick's position.
+    current: Option<(VoxelKey, usize)>,
     /// More bricks than the map could ever hold were touched; the drawing was given up.
     too_many: bool,
 }
 
 impl ScanBricks {
+    fn position(&mut self, key: BrickKey) -> usize {
+        *self.index.entry(key).or_insert_with(|| {
+            self.bricks.push((key, Observed::default()));
+            self.bricks.len() - 1
+        })
+    }
+
     #[inline]
-    fn at(&mut self, key: BrickKey) -> &mut Observed {
+    fn at(&mut self, voxel: VoxelKey) -> &mut Observed {
         // Voxels of a ray come brick by brick: most look-ups end here.
-        if let Some((current, position)) = self.current
-            && current == key
+        if let Some((VoxelKey([x, y, z]), position)) = self.current
+            && ((voxel.0[0] ^ x) | (voxel.0[1] ^ y) | (voxel.0[2] ^ z)) & !7 == 0
         {
             return &mut self.bricks[position].1;
         }
-        let position = *self.index.entry(key).or_insert_with(|| {
-            self.bricks.push((key, Observed::default()));
-            self.bricks.len() - 1
-        });
-        self.current = Some((key, position));
+        let position = self.position(voxel.brick());
+        self.current = Some((voxel, position));
         &mut self.bricks[position].1
     }
 
     #[inline]
     fn free(&mut self, voxel: VoxelKey) {
-        let offset = voxel.offset();
-        self.at(voxel.brick()).free[offset / 64] |= 1 << (offset % 64);
+        let (word, bit) = place(voxel);
+        self.at(voxel).free[word] |= bit;
     }
 
     fn occupied(&mut self, voxel: VoxelKey) {
-        let offset = voxel.offset();
-        self.at(voxel.brick()).occupied[offset / 64] |= 1 << (offset % 64);
+        let (word, bit) = place(voxel);
+        self.at(voxel).occupied[word] |= bit;
     }
 
     fn merge(mut self, other: Self) -> Self {
         for (key, observed) in other.bricks {
-            let mine = self.at(key);
+            let position = self.position(key);
+            let mine = &mut self.bricks[position].1;
             for word in 0..WORDS {
                 mine.free[word] |= observed.free[word];
                 mine.occupied[word] |= observed.occupied[word];
@@ -126,12 +155,13 @@ impl Observed {
             let (mut free, mut occupied) =
                 (self.free[word] & !self.occupied[word], self.occupied[word]);
             while free != 0 {
-                let value = &mut values[word * 64 + free.trailing_zeros() as usize];
+                let value = &mut values[usize::from(OFFSETS[word][free.trailing_zeros() as usize])];
                 *value = model.updated(*value, false);
                 free &= free - 1;
             }
             while occupied != 0 {
-                let value = &mut values[word * 64 + occupied.trailing_zeros() as usize];
+                let value =
+                    &mut values[usize::from(OFFSETS[word][occupied.trailing_zeros() as usize])];
                 *value = model.updated(*value, true);
                 occupied &= occupied - 1;
             }

@@ -1,7 +1,7 @@
 //! Casting rays into the map.
 
 use crate::octree::brick::Brick;
-use crate::octree::key::{BrickKey, VoxelKey};
+use crate::octree::key::VoxelKey;
 use crate::octree::map::OccupancyMap;
 use crate::octree::sensor_model::UNKNOWN;
 use crate::octree::traversal::{Traversal, norm};
@@ -30,26 +30,26 @@ pub struct RayResult {
 /// A window onto the brick that the ray is in.
 pub(crate) struct Cursor<'map> {
     map: &'map OccupancyMap,
-    key: BrickKey,
+    /// Any voxel of the brick.
+    within: VoxelKey,
     brick: Option<&'map Brick>,
 }
 
 impl<'map> Cursor<'map> {
     pub(crate) fn new(map: &'map OccupancyMap, start: VoxelKey) -> Self {
-        let key = start.brick();
         Self {
             map,
-            key,
-            brick: map.occupancy.get(key),
+            within: start,
+            brick: map.occupancy.get(start.brick()),
         }
     }
 
     #[inline]
     pub(crate) fn value(&mut self, voxel: VoxelKey) -> i8 {
-        let key = voxel.brick();
-        if key != self.key {
-            self.key = key;
-            self.brick = self.map.occupancy.get(key);
+        let [x, y, z] = self.within.0;
+        if ((voxel.0[0] ^ x) | (voxel.0[1] ^ y) | (voxel.0[2] ^ z)) & !7 != 0 {
+            self.within = voxel;
+            self.brick = self.map.occupancy.get(voxel.brick());
         }
         self.brick
             .map_or(UNKNOWN, |brick| brick.value(voxel.offset()))
@@ -85,34 +85,31 @@ impl OccupancyMap {
             direction.map(|d| d / length),
         );
         let limit_squared = max_range_m * max_range_m;
+        // No centre of a voxel that the ray leaves before this can be beyond the range.
+        let safe_m = max_range_m - self.lattice.resolution_m;
+        let end_in = |ray: &Traversal, end: RayEnd| RayResult {
+            end,
+            position_m: ray.voxel.0.map(|k| self.lattice.centre_m(k)),
+        };
         loop {
-            let position_m = ray.voxel.0.map(|k| self.lattice.centre_m(k));
-            let beyond = ray.voxel != start && {
+            if ray.exit_m() > safe_m && ray.voxel != start {
                 let squared: f64 = (0..3)
-                    .map(|axis| (position_m[axis] - f64::from(origin_m[axis])).powi(2))
+                    .map(|axis| {
+                        (self.lattice.centre_m(ray.voxel.0[axis]) - f64::from(origin_m[axis]))
+                            .powi(2)
+                    })
                     .sum();
-                squared > limit_squared
-            };
-            if beyond || !ray.voxel.within_reach() {
-                return RayResult {
-                    end: RayEnd::Range,
-                    position_m,
-                };
+                if squared > limit_squared {
+                    return end_in(&ray, RayEnd::Range);
+                }
+            }
+            if !ray.voxel.within_reach() {
+                return end_in(&ray, RayEnd::Range);
             }
             match cursor.value(ray.voxel) {
                 UNKNOWN if through_unknown => {}
-                UNKNOWN => {
-                    return RayResult {
-                        end: RayEnd::Unknown,
-                        position_m,
-                    };
-                }
-                value if value >= 0 => {
-                    return RayResult {
-                        end: RayEnd::Hit,
-                        position_m,
-                    };
-                }
+                UNKNOWN => return end_in(&ray, RayEnd::Unknown),
+                value if value >= 0 => return end_in(&ray, RayEnd::Hit),
                 _ => {}
             }
             ray.advance();

@@ -49,15 +49,19 @@ impl Traversal {
     #[inline]
     pub fn advance(&mut self) {
         let [x, y, z] = self.next_border_m;
-        let axis = if x < y {
-            if x < z { 0 } else { 2 }
-        } else if y < z {
-            1
-        } else {
-            2
-        };
-        self.voxel.0[axis] += self.step[axis];
-        self.next_border_m[axis] += self.border_spacing_m[axis];
+        // Ties go to the later axis, as in OctoMap. All three axes are written, with masks in place of branches that
+        // no processor could foresee and of indices that would keep the state out of registers.
+        let along_x = (x < y) & (x < z);
+        let along_y = !along_x & (y < z);
+        for (axis, along) in [along_x, along_y, !(along_x | along_y)]
+            .into_iter()
+            .enumerate()
+        {
+            self.voxel.0[axis] += self.step[axis] & -i32::from(along);
+            let spacing_m =
+                self.border_spacing_m[axis].to_bits() & (u64::from(along)).wrapping_neg();
+            self.next_border_m[axis] += f64::from_bits(spacing_m);
+        }
     }
 
     /// Length of the ray up to where it leaves the current voxel [m].
@@ -94,10 +98,13 @@ pub fn walk(
     let length_m = norm(difference);
     let mut traversal = Traversal::new(lattice, first, origin_m, difference.map(|d| d / length_m));
     visit(first);
+    let length_m = f64::from(length_m);
     loop {
         traversal.advance();
+        let [x, y, z] = traversal.voxel.0;
+        let left = (x ^ last.0[0]) | (y ^ last.0[1]) | (z ^ last.0[2]);
         // The second test catches a ray that rounding led past its last voxel.
-        if traversal.voxel == last || traversal.exit_m() > f64::from(length_m) {
+        if (left == 0) | (traversal.exit_m() > length_m) {
             return true;
         }
         visit(traversal.voxel);
