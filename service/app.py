@@ -34,7 +34,9 @@ from service.routes import (
     missions,
     operations,
     plans,
+    scans,
 )
+from service.scan_maps import ScanMapFactory, ScanMaps, installed
 from service.settings import Settings
 from service.store.engine import connect
 from service.store.event_store import EventStore
@@ -69,12 +71,15 @@ class MissionPlanners:
 
 
 def create_app(
-    settings: Settings | None = None, tracer_provider: trace.TracerProvider | None = None
+    settings: Settings | None = None,
+    tracer_provider: trace.TracerProvider | None = None,
+    scan_maps: ScanMapFactory | None = None,
 ) -> FastAPI:
     """The coordination service; opens its database when it starts, not before.
 
     Args:
         tracer_provider: where spans go, if not to the endpoint of the settings.
+        scan_maps: makes the 3D maps of missions, if not the installed plug-in.
     """
     settings = settings or Settings()
 
@@ -120,6 +125,9 @@ def create_app(
             max_missions=settings.max_missions,
             max_map_cells=settings.max_map_cells,
         )
+        app.state.scan_maps = ScanMaps(
+            scan_maps or installed(), settings.max_scan_map_mb * 10**6, settings.scan_maps_folder
+        )
         app.state.draining.then(app.state.missions.hush)
         app.state.draining.then(app.state.planning_requests.hush)
         await app.state.missions.restore()
@@ -129,6 +137,7 @@ def create_app(
         finally:
             await pool.drain(settings.drain_s)
             await app.state.missions.stop()
+            await app.state.scan_maps.close()
             await app.state.planning_requests.close()
             await pool.close()
             await planning.close()
@@ -156,6 +165,7 @@ def create_app(
         mission_changes,
         mission_events,
         mission_commands,
+        scans,
         plans,
         domains,
         maps,

@@ -49,6 +49,10 @@ class Settings(BaseModel):
     """A mission fails when for so long the team could do nothing [fleet clock]."""
     max_body_bytes: int = Field(default=32 * 2**20, ge=1024)
     max_map_cells: int = Field(default=16_000_000, ge=1)
+    max_scan_map_mb: int = Field(default=512, ge=1)
+    """What the 3D map of a mission may take; scans beyond are refused [MB]."""
+    scan_maps_folder: Path | None = None
+    """Where 3D maps are kept for a restart; without it they live as long as the service."""
     max_missions: int = Field(default=1000, ge=1)
     """Missions that are not over."""
     max_wait_s: float = Field(default=60.0, ge=0.0)

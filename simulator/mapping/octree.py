@@ -95,14 +95,29 @@ class OctreeMap:
         Raises:
             MapFileError: names the file and what is wrong with it.
         """
+        try:
+            return cls.from_bytes(Path(path).read_bytes(), model, memory_limit_bytes)
+        except MapFileError as fault:
+            raise MapFileError(f"{path}: {fault}") from None
+
+    @classmethod
+    def from_bytes(
+        cls,
+        contents: bytes,
+        model: SensorModel | None = None,
+        memory_limit_bytes: int | None = None,
+    ) -> "OctreeMap":
+        """The map in the contents of a `.bt` or `.ot` file.
+
+        Raises:
+            MapFileError: says what is wrong with them.
+        """
         read = cls.__new__(cls)
         read.model = model or SensorModel()
         try:
-            read._kernel = _core.Octree.read(
-                Path(path).read_bytes(), read.model.constants, memory_limit_bytes
-            )
+            read._kernel = _core.Octree.read(contents, read.model.constants, memory_limit_bytes)
         except ValueError as fault:
-            raise MapFileError(f"{path}: {fault}") from None
+            raise MapFileError(str(fault)) from None
         return read
 
     def write(self, path: Path | str) -> None:

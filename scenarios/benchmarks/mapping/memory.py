@@ -60,13 +60,13 @@ def sizes(octree: OctreeMap) -> Sizes:
 
 def measure(quick: bool, out: Path) -> str:
     """Table 5.2 on the worlds at hand, and the two parts of figure 5.16."""
-    few = 3 if quick else 0
+    few = 3 if quick else 33
     experiments: list[tuple[World | None, float, float | None]] = [
-        (small_room(scans=few or 11), 0.05, 10.0),
-        (building_079(scans=few or 66), 0.05, 10.0),
-        (building_079(scans=few or 66), 0.1, 10.0),
-        (corridor(scans=few or 66), 0.05, 10.0),
-        (corridor(scans=few or 66), 0.1, 10.0),
+        (small_room(scans=few), 0.05, 10.0),
+        (building_079(scans=few), 0.05, 10.0),
+        (building_079(scans=few), 0.1, 10.0),
+        (corridor(scans=few), 0.05, 10.0),
+        (corridor(scans=few), 0.1, 10.0),
         (tilt_scan(), 0.05, 10.0),
     ]
     rows = [
@@ -90,12 +90,12 @@ def measure(quick: bool, out: Path) -> str:
     for world, resolution_m, range_m in experiments:
         if world is not None:
             rows.append(_row(world, resolution_m, sizes(mapped(world, resolution_m, range_m))))
-    outdoors = campus(scans=9 if quick else 81)
+    outdoors = campus(scans=9 if quick else 27)
     growth: dict[float, Sizes] = {}
     for resolution_m in (0.8, 0.4) if quick else (1.6, 0.8, 0.4, 0.2):
         growth[resolution_m] = sizes(mapped(outdoors, resolution_m, 80.0))
     rows += [_row(outdoors, resolution_m, growth[resolution_m]) for resolution_m in growth]
-    _draw_growth(growth, _revisits(few or 66), out)
+    _draw_growth(growth, _revisits(few), out)
     notes = (
         "MB = 10^6 bytes. The octree is OctoMap's: its numbers of nodes, which equal ours (held by "
         f"a test), times its {LEAF_BYTES} bytes a leaf and {INNER_BYTES} bytes an inner node on 64 "

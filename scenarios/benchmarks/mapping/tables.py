@@ -17,7 +17,7 @@ from simulator.mapping.tabletop import TabletopParameters, segment, tabletop_hie
 from simulator.mapping.viewpoints import Viewpoint, look_at
 
 Points = NDArray[np.float32]
-LIMIT_BYTES = 3 * 10**9
+LIMIT_BYTES = 5 * 10**8
 NEAR_M = (np.array([-0.65, -0.45, 0.70]), np.array([0.65, 0.45, 1.1]))
 """The table and what stands on it."""
 
@@ -45,13 +45,13 @@ def views(count: int, distance_m: float = 1.3) -> list[Viewpoint]:
 def measure(quick: bool, out: Path) -> str:
     """Memory and time at 1 to 16 mm, then objects that come, hide one another and go."""
     sensor = DepthSensor(
-        columns=240 if quick else 480,
-        rows=180 if quick else 360,
+        columns=240 if quick else 400,
+        rows=180 if quick else 300,
         horizontal_field_rad=0.9,
         vertical_field_rad=0.7,
         range_m=2.0,
     )
-    count = 5 if quick else 20
+    count = 5 if quick else 8
     resolutions_mm = (16, 8, 4) if quick else (16, 8, 4, 2, 1)
     rows = [
         [
@@ -87,7 +87,7 @@ def measure(quick: bool, out: Path) -> str:
     return (
         f"{table(rows)}\n\n{count} views of {sensor.columns} x {sensor.rows} beams, range 2 m; the "
         "table at 10 mm, the background at 50 mm; one map of everything at the voxel size of the "
-        f"objects, refused above {LIMIT_BYTES / 1e9:.0f} GB.\n\n"
+        f"objects, refused above {LIMIT_BYTES / 1e6:.0f} MB.\n\n"
         "![Memory and time of hierarchies](tables.svg)\n\n"
         "![The small objects in the hierarchy](tabletop.png)\n\n"
         f"{_vanishing(sensor, out)}"
