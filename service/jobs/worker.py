@@ -26,7 +26,7 @@ def main(pipe: Connection, memory_limit_mb: int) -> None:
     but never the service. The process leads a group of its own, so that what it starts ends with
     it.
     """
-    os.setsid()
+    os.setpgrp()
     os.nice(NICENESS)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the service decides when to stop
     limit_memory(memory_limit_mb)

@@ -42,6 +42,7 @@ def deeds(team: ScriptedFleet) -> list[tuple[str, str | None]]:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 def test_missions_go_on_after_the_server_was_killed(server: ServerProcess) -> None:
     """Killed at any moment: before a report, after one, and while one is under way."""
     teams = [fleet(), fleet()]
@@ -52,12 +53,12 @@ def test_missions_go_on_after_the_server_was_killed(server: ServerProcess) -> No
             if number in over:
                 continue
             report = team.report()
-            if (step, number) in ((2, 0), (9, 1), (15, 0)):
+            if (step, number) in ((2, 0), (9, 1)):
                 workers = server.children()
                 server.kill()
                 wait_until_gone(workers)
                 server.start()
-            if (step, number) in ((5, 0), (12, 1)):
+            if (step, number) == (5, 0):
                 unanswered(server, url, report)
                 server.start()
             status, answer = server.request("POST", f"{url}/reports", report, **WAIT)
