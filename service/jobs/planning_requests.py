@@ -25,6 +25,8 @@ class Following:
     """A request of this process's life: what was told, and who waits for more."""
 
     id: str
+    client: str
+    """Who handed it in."""
     run: Run | None = None
     status: PlanStatus = "queued"
     told: list[Told] = field(default_factory=list)
@@ -60,7 +62,8 @@ class PlanningRequests:
         stored = await asyncio.to_thread(self._store.unfinished)
         for request in stored:
             found = await asyncio.to_thread(self._store.find, request.id)
-            following = Following(request.id, told=list(found[1]) if found else [])
+            told = list(found[1]) if found else []
+            following = Following(request.id, request.client, told=told)
             try:
                 body = PlanRequest.model_validate_json(request.body)
                 self._start(following, body, request.client)
@@ -94,7 +97,7 @@ class PlanningRequests:
             QueueFullError: too many are waiting.
             StoreError: it could not be stored.
         """
-        following = Following(uuid.uuid4().hex)
+        following = Following(uuid.uuid4().hex, client)
         body = request.model_dump_json()
         if self._executor.capacity().full:
             raise QueueFullError("too many planning requests are waiting")
@@ -114,7 +117,7 @@ class PlanningRequests:
         if found is None:
             return None
         request, told = found
-        following = Following(request.id, told=list(told))
+        following = Following(request.id, request.client, told=list(told))
         following.status = request.status  # type: ignore[assignment]
         return following
 

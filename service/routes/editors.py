@@ -32,7 +32,7 @@ from service.messages.editor import (
 )
 from service.messages.planning import PlanOut, PlanRequest
 from service.problem_details import ProblemError, from_validation
-from service.routes.plans import Requests, checked
+from service.routes.plans import Requests, checked, owned
 from service.settings import Settings
 
 ROUTER = APIRouter(tags=["editors"], dependencies=[Depends(needs("operate"))])
@@ -148,9 +148,9 @@ async def package_solve(
 
 @ROUTER.get("/check/{plan_id}")
 @ROUTER.get("//check/{plan_id}", include_in_schema=False)
-async def check(plan_id: str, all_requests: Requests) -> Json:
+async def check(request: Request, plan_id: str, all_requests: Requests) -> Json:
     """The result of `/package/.../solve`, or that it is not there yet."""
-    job = await all_requests.find(plan_id)
+    job = await owned(request, plan_id, all_requests)
     if job is None:
         return {"Error": f"there is no request {plan_id[:64]!r}"}
     if not job.is_over:
@@ -172,6 +172,7 @@ async def check(plan_id: str, all_requests: Requests) -> Json:
 @ROUTER.post("/check/{plan_id}", openapi_extra=described(CheckBody))
 @ROUTER.post("//check/{plan_id}", include_in_schema=False)
 async def check_adapted(
+    request: Request,
     plan_id: str,
     body: Annotated[CheckBody | str, Depends(editor_body(CheckBody))],
     all_requests: Requests,
@@ -180,8 +181,8 @@ async def check_adapted(
     if isinstance(body, str):
         return {"Error": body}
     if body.adaptor != "planning_editor_adaptor":
-        return await check(plan_id, all_requests)
-    job = await all_requests.find(plan_id)
+        return await check(request, plan_id, all_requests)
+    job = await owned(request, plan_id, all_requests)
     if job is None:
         return {"Error": f"there is no request {plan_id[:64]!r}"}
     if not job.is_over:
@@ -293,9 +294,9 @@ async def request_plan(
 
 
 @ROUTER.get("/request/{plan_id}")
-async def request_progress(plan_id: str, all_requests: Requests) -> Json:
+async def request_progress(request: Request, plan_id: str, all_requests: Requests) -> Json:
     """How far a request sent with `async=true` has got."""
-    job = await all_requests.find(plan_id)
+    job = await owned(request, plan_id, all_requests)
     return failed(f"there is no request {plan_id[:64]!r}") if job is None else progress(job)
 
 

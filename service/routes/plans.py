@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 import planner
-from service.access import caller_of, needs
+from service.access import ANY_FLEET, caller_of, needs
 from service.coordination.known_map import MapError, read_cells, read_terrain
 from service.coordination.ports import KeyReusedError, StoreError, UnresolvedError
 from service.jobs.executor import QueueFullError
@@ -36,9 +36,17 @@ async def requests(request: Request) -> PlanningRequests:
 Requests = Annotated[PlanningRequests, Depends(requests)]
 
 
-async def following(plan_id: str, all_requests: Requests) -> Following:
+async def owned(request: Request, plan_id: str, all_requests: PlanningRequests) -> Following | None:
+    """A request that the caller handed in; keys for all fleets see everybody's."""
+    found, caller = await all_requests.find(plan_id), caller_of(request)
+    if found is None or not (found.client == caller.name or ANY_FLEET in caller.fleets):
+        return None
+    return found
+
+
+async def following(request: Request, plan_id: str, all_requests: Requests) -> Following:
     """The request a path names."""
-    found = await all_requests.find(plan_id)
+    found = await owned(request, plan_id, all_requests)
     if found is None:
         raise not_found("planning request", plan_id)
     return found

@@ -7,6 +7,7 @@ import pytest
 import typer
 from in_process import InProcessClient, serving
 from test_mission_loop import ROOMS, TARGETS, fleet
+from travelling import DOMAIN, problem
 from typer.testing import CliRunner
 
 from service.access import ApiKey, KeyFileError, digest, new_key, read_keys
@@ -86,6 +87,18 @@ def test_a_key_reaches_its_fleets_only(client: InProcessClient) -> None:
     assert client.post(f"{south}/reports", json=report, headers=by("north")).status_code == 404
     seen = {mission["id"] for mission in client.get("/v1/missions", headers=by("north")).json()}
     assert south.rsplit("/", 1)[1] not in seen
+
+
+def test_planning_requests_are_their_clients_business(client: InProcessClient) -> None:
+    body = {"domain_text": DOMAIN, "problem": problem(3), "time_limit_s": 0.2}
+    by_north = client.post("/v1/plans", json=body, headers=by("north")).headers["location"]
+    by_chief = client.post("/v1/plans", json=body, headers=by("chief")).headers["location"]
+    assert client.get(by_north, headers=by("north")).status_code == 200
+    assert client.get(by_north, headers=by("chief")).status_code == 200
+    assert client.get(by_chief, headers=by("north")).status_code == 404
+    assert client.delete(by_chief, headers=by("north")).status_code == 404
+    check = by_chief.replace("/v1/plans", "/check")
+    assert "Error" in client.get(check, headers=by("north")).json()
 
 
 def test_a_key_is_kept_as_a_hash(tmp_path: Path) -> None:
