@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from simulator.vegetation.experiments import Setting
 from simulator.vegetation.experiments.report import percent, table
+from simulator.vegetation.features import Measurements
 from simulator.vegetation.lda import train_lda
 from simulator.vegetation.local_statistics import RADII_M, local_statistics
 from simulator.vegetation.real_data.labelled_scan import (
@@ -29,6 +30,7 @@ from simulator.vegetation.real_data.labelled_scan import (
     read_rellis,
     read_semantic_kitti,
 )
+from simulator.vegetation.remission_correction import corrected_remission
 from simulator.vegetation.scores import Scores
 from simulator.vegetation.svm import SvmParameters, train_svm
 
@@ -104,6 +106,9 @@ def ground_points(scan: LabelledScan, grass: list[int], hard: list[int], every: 
     features = {
         "range, angle (geometry only)": thesis[:, :2],
         "range, angle, remission (thesis)": thesis,
+        "range, angle, remission corrected by eq. 6.19": np.column_stack(
+            [thesis[:, :2], corrected_remission(Measurements(near, angle, remission))]
+        ),
         "thesis + remission in 0.4 m": np.column_stack([thesis, around[1][:, 4:7]]),
         "thesis + remission at four scales": np.column_stack([thesis, spread]),
         "range, angle, roughness at four scales": np.column_stack([thesis[:, :2], rough]),

@@ -11,7 +11,6 @@ from simulator.vegetation.self_supervision import (
 )
 from simulator.vegetation.sensor_setup import SensorSetup
 from simulator.vegetation.simulation.recording import (
-    PIONEER,
     self_supervised_drive,
     vibration_classifier,
 )
@@ -21,7 +20,7 @@ from simulator.vegetation.svm import SvmParameters
 from simulator.vegetation.vibration import VibrationRun
 
 QUICK = SvmParameters(log2_gamma=(-3, -1), log2_c=(1, 5), search_points=600)
-SETUP = SensorSetup("LMS 291-S05", 0.55, (0.0, 0.5))
+SETUP = SensorSetup("LMS 291-S05", 0.55, (float(np.deg2rad(6)), float(np.deg2rad(30))))
 
 
 class FeelsGrassWhenShaken:
@@ -70,10 +69,10 @@ def test_a_drive_over_one_kind_of_ground_is_refused() -> None:
 def test_the_whole_loop_learns_to_see_grass_in_another_place() -> None:
     """Vibration classifier, training place and test place are all drawn by different seeds."""
     terrain = vibration_classifier(301, 20.0, SvmParameters((-7,), (3,)))
-    drive, _ = self_supervised_drive(street_and_lawn(1, (24.0, 16.0)), 1, rows=2)
+    drive, _ = self_supervised_drive(street_and_lawn(1, (24.0, 16.0)), 1, 2, 5.0, SETUP)
     parameters = SelfSupervisionParameters(svm=QUICK)
-    model, _ = learn_from_drive(drive, terrain, PIONEER, parameters)
-    test, sweeps = self_supervised_drive(street_and_lawn(2, (24.0, 16.0)), 2, rows=2)
+    model, _ = learn_from_drive(drive, terrain, SETUP, parameters)
+    test, sweeps = self_supervised_drive(street_and_lawn(2, (24.0, 16.0)), 2, 2, 5.0, SETUP)
     labelled = label_scans(test, terrain)
     truth = np.concatenate(
         [
@@ -81,7 +80,7 @@ def test_the_whole_loop_learns_to_see_grass_in_another_place() -> None:
             for number, sweep in enumerate(sweeps)
         ]
     )
-    found = model.vegetation_probability(labelled.measurements, PIONEER) > 0.5
+    found = model.vegetation_probability(labelled.measurements, SETUP) > 0.5
     scores = Scores.of(found, truth)
     assert scores.precision > 0.99
     assert scores.recall > 0.99
