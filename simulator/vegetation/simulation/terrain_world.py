@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from simulator.vegetation.simulation.remission_model import (
     PAVED,
     VEGETATION,
-    Material,
     reflectances,
 )
 
@@ -89,7 +88,3 @@ class TerrainWorld:
             inside &= (column >= 0) & (column < self.material.shape[1])
             covered[row[inside], column[inside]] = True
         return self.material[covered]
-
-    def material_names(self) -> list[str]:
-        """Names by index."""
-        return [kind.name.lower() for kind in Material]
