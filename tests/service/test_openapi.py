@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -103,7 +104,7 @@ def test_links_lead_to_operations_with_these_parameters() -> None:
 
 
 @pytest.mark.slow
-def test_no_request_makes_the_service_fail() -> None:
+def test_no_request_makes_the_service_fail(tmp_path: Path) -> None:
     with listening() as url:
         result = subprocess.run(
             [
@@ -112,6 +113,7 @@ def test_no_request_makes_the_service_fail() -> None:
                 *("--max-examples", "30", "--seed", "1", "--exclude-path-regex", "/events$"),
                 *("--request-timeout", "20"),
             ],
+            cwd=tmp_path,
             capture_output=True,
             text=True,
             check=False,
