@@ -57,6 +57,12 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
     worker_memory_mb: Annotated[
         int, typer.Option(min=256, help="Address space of a planning worker [MiB].")
     ] = 4096,
+    request_queue: Annotated[
+        int, typer.Option(min=0, help="Planning requests that wait at most; then 429.")
+    ] = 100,
+    max_missions: Annotated[
+        int, typer.Option(min=1, help="Missions that are open at most; then 429.")
+    ] = 1000,
     give_up_s: Annotated[
         float,
         typer.Option(
@@ -114,6 +120,8 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         planning_workers=workers,
         planning_processes=request_workers,
         planning_memory_mb=worker_memory_mb,
+        planning_queue=request_queue,
+        max_missions=max_missions,
         give_up_s=give_up_s,
         hopeless_s=hopeless_s,
         traces_to=traces_to,

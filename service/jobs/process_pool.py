@@ -80,8 +80,9 @@ class ProcessWorker:
 
     def kill(self) -> None:
         """Ends the process at once, and those that it has started."""
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.process.pid or 0, signal.SIGKILL)
+        if self.process.pid is not None:
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self.process.pid, signal.SIGKILL)
         self.process.kill()
         self.process.join(5.0)
         self._pipe.close()
