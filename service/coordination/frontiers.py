@@ -41,11 +41,11 @@ def frontiers(
     which frontiers that see one another become one; clusters below `least_cells` cells are left
     out. Linear in the cells but for the joining, which is quadratic in the number of clusters.
     """
-    border = traversable & ndimage.binary_dilation(unknown, EIGHT_NEIGHBOURS)
+    border = traversable & beside(unknown)
+    if not border.any():
+        return ()
     components, _ = ndimage.label(traversable, EIGHT_NEIGHBOURS)
-    labels, count = ndimage.label(border, EIGHT_NEIGHBOURS)
-    clusters = [np.argwhere(labels == label) for label in range(1, count + 1)]
-    clusters = [cells for cells in clusters if len(cells) >= least_cells]
+    clusters = [cells for cells in _clusters(border) if len(cells) >= least_cells]
     clusters.sort(key=lambda cells: (-len(cells), *cells[0].tolist()))
     seen_from: list[list[NDArray[np.int64]]] = []
     places: list[tuple[int, int]] = []
@@ -63,6 +63,26 @@ def frontiers(
         Frontier(place, sum(len(cells) for cells in parts), int(components[place]))
         for place, parts in zip(places, seen_from, strict=True)
     )
+
+
+def beside(unknown: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Cells that share an edge with an unknown one; across a corner nothing is to be seen."""
+    near = np.zeros_like(unknown)
+    near[1:] |= unknown[:-1]
+    near[:-1] |= unknown[1:]
+    near[:, 1:] |= unknown[:, :-1]
+    near[:, :-1] |= unknown[:, 1:]
+    return near
+
+
+def _clusters(border: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+    """(n, 2) rows and columns of each 8-connected cluster, in row-major order."""
+    labels, _ = ndimage.label(border, EIGHT_NEIGHBOURS)
+    cells = np.argwhere(border)
+    label_of = labels[border]
+    order = np.argsort(label_of, kind="stable")
+    ends = np.flatnonzero(np.diff(label_of[order])) + 1
+    return np.split(cells[order], ends)
 
 
 def _nearest_centroid(cells: NDArray[np.int64]) -> tuple[int, int]:

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from semantic_attachments.contract import Memory
 from service.coordination.assignment import by_nearest_pair
 from service.coordination.auction import auction
+from service.coordination.exploration.greedy_utility import GreedyUtility
+from service.coordination.exploration.segment_assignment import SegmentAssignment
+from service.coordination.exploration.strategy import Exploring
 from service.coordination.greedy_clearing import GreedyClearing
 from service.coordination.one_step_disaster import OneStepDisaster
 from service.coordination.one_step_marsupial import OneStepMarsupial
@@ -21,6 +24,7 @@ def all_strategies() -> Mapping[str, Strategy]:
         "auction": ByDomain(
             {"disaster": OneStepDisaster(auction), "marsupial": OneStepMarsupial(auction)}
         ),
+        "greedy": Exploring(GreedyUtility(), "greedy utility"),
         "greedy-clearing": ByDomain({"disaster": GreedyClearing(temporal)}),
         "hungarian": hungarian,
         "hungarian-literal": ByDomain(
@@ -36,6 +40,7 @@ def all_strategies() -> Mapping[str, Strategy]:
             }
         ),
         "planner": temporal,
+        "segments": Exploring(SegmentAssignment(), "by segments of the map"),
     }
 
 

@@ -48,6 +48,8 @@ class Situation:
     """Targets to visit before others, by id; higher goes first, 0 where none is given."""
     deadlines_s: Mapping[str, float] = field(default_factory=dict)
     """Mission time by which a target is to be visited [s]."""
+    communication_range_m: float | None = None
+    """Robots further apart, and not linked through others, cannot be coordinated; None for all."""
     instructions: tuple[tuple[str, Instruction], ...] = ()
     """All that people have said, with ids, for remarks."""
 

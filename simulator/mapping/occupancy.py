@@ -6,7 +6,9 @@ Burgard and Fox, "Probabilistic Robotics" (2005), table 9.1.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,12 +48,24 @@ class JointOccupancyMap:
         )
 
     def insert(self, scan: Scan) -> None:
-        """Takes one sweep in, at the pose that it was made from."""
+        """Takes one sweep in, at the pose that it was made from; beams that are NaN are left
+        out."""
         self._map.insert(*scan.pose, scan.ranges_m, scan.range_m)
 
+    def copy(self) -> Self:
+        """A map of its own that knows the same, as robots that lose touch with others have."""
+        one = copy(self)
+        one._map = self._map.copy()
+        return one
+
+    def merge(self, other: Self) -> None:
+        """Takes over whatever the other map is more certain of, as robots do that meet."""
+        self._map.merge(other._map)
+
+    def cells(self) -> NDArray[np.int8]:
+        """(rows, columns) occupancy in percent, -1 where nothing was ever seen."""
+        return self._map.percent()
+
     def grid(self) -> OccupancyGrid:
-        """Occupancy in percent, -1 where nothing was ever seen."""
-        log_odds = self._map.log_odds()
-        percent = np.rint(100.0 / (1.0 + np.exp(-log_odds))).astype(np.int8)
-        cells: NDArray[np.int8] = np.where(log_odds == 0.0, np.int8(-1), percent)
-        return OccupancyGrid(cells, self.resolution_m, self.origin_m)
+        """The map as a grid."""
+        return OccupancyGrid(self.cells(), self.resolution_m, self.origin_m)

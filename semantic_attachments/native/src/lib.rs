@@ -15,8 +15,10 @@
 pub mod any_angle;
 pub mod buckets;
 pub mod canonical;
+pub mod distance_transform;
 pub mod field;
 pub mod footprint;
+pub mod geodesic;
 pub mod inflation;
 pub mod lazy_graph;
 pub mod legs;
@@ -28,6 +30,7 @@ pub mod one_to_all;
 pub mod reach;
 pub mod repair;
 pub mod shape;
+pub mod skeleton;
 pub mod traversability;
 pub mod weighted;
 

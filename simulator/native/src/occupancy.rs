@@ -20,6 +20,7 @@ pub struct SensorModel {
 }
 
 /// Log odds of occupation; zero where nothing was ever seen.
+#[derive(Clone)]
 pub struct OccupancyMap {
     width: usize,
     height: usize,
@@ -57,7 +58,17 @@ impl OccupancyMap {
         &self.log_odds
     }
 
-    /// Takes a full-circle scan in; a beam as long as `range_m` met nothing.
+    /// Occupancy in percent, -1 where nothing was ever seen.
+    pub fn percent(&self) -> Vec<i8> {
+        let percent = |&value: &f32| match value {
+            0.0 => -1,
+            value => (100.0 / (1.0 + (-value).exp())).round() as i8,
+        };
+        self.log_odds.iter().map(percent).collect()
+    }
+
+    /// Takes a full-circle scan in; a beam as long as `range_m` met nothing, one that is not a number
+    /// was not made.
     pub fn insert(&mut self, origin: Point, heading_rad: f64, ranges_m: &[f32], range_m: f64) {
         let step_rad = TAU / ranges_m.len() as f64;
         self.insert_fan(origin, heading_rad, step_rad, ranges_m, range_m);
@@ -94,6 +105,17 @@ impl OccupancyMap {
         }
         for (beam, &range) in ranges_m.iter().enumerate() {
             self.pass(origin, direction(beam), f64::from(range), passed);
+        }
+    }
+
+    /// Takes over from another map of the same shape whatever is more certain there.
+    ///
+    /// Merging the same map twice changes nothing, as it must when robots meet again and again.
+    pub fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.log_odds.iter_mut().zip(&other.log_odds) {
+            if theirs.abs() > mine.abs() {
+                *mine = *theirs;
+            }
         }
     }
 
@@ -185,6 +207,34 @@ mod tests {
             assert!(value(column, 1) > 2.0 && value(column, 5) > 2.0);
             assert_eq!((value(column, 0), value(column, 6)), (0.0, 0.0));
         }
+    }
+
+    #[test]
+    fn a_merged_map_knows_what_either_knew() {
+        let mut one = OccupancyMap::new(9, 9, 0.5, [0.0, 0.0], MODEL);
+        let mut other = OccupancyMap::new(9, 9, 0.5, [0.0, 0.0], MODEL);
+        one.insert([1.2, 1.2], 0.0, &[0.6; 8], 5.0);
+        other.insert([3.2, 3.2], 0.0, &[0.6; 8], 5.0);
+        let (before, theirs) = (one.log_odds.clone(), other.log_odds.clone());
+        one.merge(&other);
+        for cell in 0..81 {
+            let expected = if theirs[cell].abs() > before[cell].abs() {
+                theirs[cell]
+            } else {
+                before[cell]
+            };
+            assert_eq!(one.log_odds[cell], expected);
+        }
+        let merged = one.log_odds.clone();
+        one.merge(&other);
+        assert_eq!(one.log_odds, merged);
+    }
+
+    #[test]
+    fn beams_that_are_not_numbers_are_left_out() {
+        let mut map = OccupancyMap::new(9, 9, 0.5, [0.0, 0.0], MODEL);
+        map.insert([2.2, 2.2], 0.0, &[f32::NAN; 8], 5.0);
+        assert!(map.log_odds().iter().all(|&value| value == 0.0));
     }
 
     #[test]

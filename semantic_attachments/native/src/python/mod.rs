@@ -5,6 +5,7 @@
 mod field;
 mod footprint;
 mod lazy_graph;
+mod regions;
 mod traversability;
 
 use numpy::PyReadonlyArray2;
@@ -34,5 +35,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<field::AnyAngleField>()?;
     module.add_class::<footprint::Footprint>()?;
     module.add_class::<field::Field>()?;
-    module.add_class::<lazy_graph::LazyGraph>()
+    module.add_class::<lazy_graph::LazyGraph>()?;
+    module.add_class::<regions::DistanceTransform>()?;
+    module.add_class::<regions::Region>()?;
+    module.add_class::<regions::Geodesic>()
 }

@@ -8,6 +8,7 @@ use crate::occupancy::{OccupancyMap, SensorModel};
 
 /// Log odds of occupation on a grid, row 0 at the bottom.
 #[pyclass(name = "OccupancyMap", module = "simulator._core")]
+#[derive(Clone)]
 pub struct PyOccupancyMap {
     map: OccupancyMap,
     shape: (usize, usize),
@@ -65,6 +66,25 @@ impl PyOccupancyMap {
         self.map
             .insert_fan(origin, first_rad, step_rad, ranges, range_m);
         Ok(())
+    }
+
+    /// Takes over whatever another map of the same shape is more certain of.
+    fn merge(&mut self, other: &Self) -> PyResult<()> {
+        if self.shape != other.shape {
+            return Err(PyValueError::new_err("the maps have different shapes"));
+        }
+        self.map.merge(&other.map);
+        Ok(())
+    }
+
+    /// A map of its own with the same content.
+    fn copy(&self) -> Self {
+        self.clone()
+    }
+
+    /// (rows, columns) int8: occupancy in percent, -1 where nothing was seen.
+    fn percent<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
+        PyArray1::from_vec(py, self.map.percent()).reshape([self.shape.0, self.shape.1])
     }
 
     /// All cells' log odds, (rows, columns); zero where nothing was seen.

@@ -1,0 +1,1 @@
+"""Exploration of unknown maps: targets on frontiers, and who goes to which."""

@@ -1,0 +1,121 @@
+"""Assignment of robots to segments of the map (Wurm, section 2.5, Algorithm 2)."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semantic_attachments.world import GridMap
+from service.coordination.assignment import hungarian
+from service.coordination.exploration.problem import ExplorationProblem
+from service.coordination.frontiers import beside
+from service.coordination.segmentation.segmentation import SegmentationParameters, segment_labels
+
+Labels = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class SegmentParameters:
+    """How robots are distributed over segments."""
+
+    discount: float = 0.5
+    """Factor on the cost of the segment that a robot is in."""
+    spread: bool = True
+    """Whether a team larger than the number of segments is distributed by the length of the
+    frontiers in them, instead of evenly."""
+    segmentation: SegmentationParameters = SegmentationParameters()
+
+
+@dataclass(frozen=True)
+class SegmentAssignment:
+    """Robots to segments first, then to targets inside their segment."""
+
+    parameters: SegmentParameters = SegmentParameters()
+    labels: Callable[[GridMap], Labels] | None = None
+    """A segmentation made by other means, for instance by hand; (rows, columns), 0 for none."""
+
+    def assign(self, problem: ExplorationProblem) -> Mapping[int, int]:
+        """Algorithm 2 on the segmentation of the map."""
+        # 1: determine a segmentation
+        labels = self._segmentation(problem.grid)
+        # 2 to 4: exploration targets of each segment
+        segment_of_target = labels.ravel()[problem.target_cells]
+        work = frontier_cells(problem.grid, labels) if self.parameters.spread else None
+        return assign_by_segment(
+            problem.costs_s,
+            segment_of_target,
+            labels.ravel()[problem.robot_cells],
+            self.parameters.discount,
+            work,
+        )
+
+    def _segmentation(self, grid: GridMap) -> Labels:
+        if self.labels is not None:
+            return self.labels(grid)
+        return segment_labels(grid.cells, grid.resolution_m, self.parameters.segmentation)
+
+
+def assign_by_segment(
+    costs_s: NDArray[np.float64],
+    segment_of_target: NDArray[np.int32],
+    segment_of_robot: NDArray[np.int32],
+    discount: float,
+    work: NDArray[np.int64] | None = None,
+) -> dict[int, int]:
+    """Lines 5 to 15 of Algorithm 2: target of each robot, by index.
+
+    With one segment this is the Hungarian assignment by costs alone.
+
+    Args:
+        costs_s: (robots, targets); infinite where a robot cannot go.
+        discount: factor on a robot's cost of the segment it is in.
+        work: how much there is to do in each segment, by number; a team that is larger than the
+            number of segments is distributed in proportion. Evenly if not given.
+    """
+    robots, targets = costs_s.shape
+    if not robots or not targets:
+        return {}
+    segments = np.unique(segment_of_target)
+    members = [np.flatnonzero(segment_of_target == number) for number in segments]
+    # 5 to 9: cost of the nearest target in each segment, less where the robot is already
+    costs = np.stack([costs_s[:, of].min(axis=1) for of in members], axis=1)
+    costs *= np.where(segment_of_robot[:, None] == segments[None, :], discount, 1.0)
+    # 10: robots to segments
+    slots = _slots(robots, segments, work)
+    by_slot = hungarian(costs[:, slots].tolist(), share=True)
+    # 11 to 15: robots to targets inside each segment
+    chosen: dict[int, int] = {}
+    for index, targets_here in enumerate(members):
+        here = [robot for robot, slot in by_slot.items() if slots[slot] == index]
+        if here:
+            local = hungarian(costs_s[np.ix_(here, targets_here)].tolist(), share=True)
+            chosen |= {here[row]: int(targets_here[column]) for row, column in local.items()}
+    return dict(sorted(chosen.items()))
+
+
+def _slots(
+    robots: int, segments: NDArray[np.int32], work: NDArray[np.int64] | None
+) -> Sequence[int]:
+    """Index of the segment of each place that a robot can take.
+
+    One place a segment, and for a larger team further places in proportion to the work (highest
+    averages, Jefferson's method), so that no segment gets a second robot before the first of
+    another.
+    """
+    slots = list(range(len(segments)))
+    if work is None or robots <= len(segments):
+        return slots
+    share = np.maximum(work[segments].astype(np.float64), 1.0)
+    places = np.ones(len(segments))
+    while len(slots) < robots:
+        index = int(np.argmax(share / (places + 1.0)))
+        places[index] += 1
+        slots.append(index)
+    return slots
+
+
+def frontier_cells(grid: GridMap, labels: Labels) -> NDArray[np.int64]:
+    """(segments + 1,) number of free cells next to unknown ones in each segment, by number."""
+    near = beside(grid.cells < 0)
+    return np.bincount(labels[near & (labels > 0)], minlength=int(labels.max()) + 1)

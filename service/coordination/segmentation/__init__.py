@@ -1,0 +1,1 @@
+"""Partitions a partially explored map into rooms, corridors and parts of them (thesis 2.4)."""
