@@ -71,6 +71,7 @@ def compose(
             for blockade in scenario.blockades
         ),
         blockades_known=scenario.blockades_known,
+        explores=scenario.explores,
         domain=scenario.domain,
         strategy=strategy or scenario.strategy,
         planning=Planning(**scenario.planning.model_dump()),
@@ -103,6 +104,10 @@ def _with_map(scenario: ScenarioFile, folder: Path) -> tuple[ScenarioFile, Path]
         raise ValueError(f"map.generator: no {section.generator!r}; use one of {known}")
     generator, parameters = GENERATORS[section.generator]
     plan = generator(section.seed)
+    name = f"{section.generator}_{section.seed}"
+    path = write_plan(folder, name, plan)
+    if scenario.explores:
+        return scenario, path
     placement = place(plan, section.seed, parameters)
     update = {
         "targets": (
@@ -117,8 +122,6 @@ def _with_map(scenario: ScenarioFile, folder: Path) -> tuple[ScenarioFile, Path]
             *scenario.blockades,
         ),
     }
-    name = f"{section.generator}_{section.seed}"
-    path = write_plan(folder, name, plan)
     return scenario.model_copy(update=update), path
 
 

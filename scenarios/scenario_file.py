@@ -145,6 +145,8 @@ class ScenarioFile(_Section):
     """share of the blockades that are there; the seed draws which"""
     blockades_known: bool = False
     """whether the fleet knows all blockades when it starts"""
+    explores: bool = False
+    """whether the building is unknown; a generated one is then without targets and blockades"""
     planning: PlanningSection = PlanningSection()
     noise: NoiseSection = NoiseSection()
     failures: tuple[FailureSection, ...] = ()

@@ -102,6 +102,8 @@ class FleetClient:
         blockades: Sequence[Mapping[str, Any]] = (),
         finished: Sequence[Mapping[str, str]] = (),
         failed: Sequence[Mapping[str, str]] = (),
+        *,
+        map_patches: Sequence[Mapping[str, Any]] = (),
     ) -> Answer:
         """Reports and returns the commands; a report has one sequence number however often sent.
 
@@ -116,6 +118,8 @@ class FleetClient:
             "finished": list(finished),
             "failed": list(failed),
         }
+        if map_patches:
+            body["map_patches"] = list(map_patches)
         answer = self.service.report(self.mission, body)
         self.sequence += 1
         return _read_answer(answer)

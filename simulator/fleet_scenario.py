@@ -140,6 +140,8 @@ class FleetScenario:
     strategy: str = "planner"
     planning: Planning = field(default_factory=Planning)
     seed: int = 0
+    explores: bool = False
+    """The map is unknown at first, and what is reported of it is all that the service knows."""
     dock_duration_s: float = 10.0
     undock_duration_s: float = 10.0
     time_limit_s: float = 7200.0

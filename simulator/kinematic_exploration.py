@@ -129,7 +129,9 @@ class KinematicExploration:
 
     def run(self, decide: Decide) -> ExplorationResult:
         """Explores until nobody is given an errand any more, or the time is over."""
-        parameters, progress = self.parameters, []
+        parameters = self.parameters
+        progress: list[tuple[float, float]] = []
+        self._share_maps()
         for robot in self._robots:
             self._scan(robot, all_around=True)
         completed = False

@@ -1,16 +1,16 @@
-"""What a fleet tells the service when a mission begins: the prior map, without the blockades."""
+"""What a fleet tells the service when a mission begins: the prior map, without the blockades.
+
+A fleet that explores knows only how large the map will be.
+"""
 
 from __future__ import annotations
 
-import base64
-import zlib
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from simulator.fleet_scenario import MARGIN_M, FleetScenario
-from simulator.occupancy_grid import OccupancyGrid
+from simulator.occupancy_grid import OccupancyGrid, packed
 
 
 def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, Any]:
@@ -26,10 +26,11 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
         "width": columns,
         "height": rows,
         "encoding": "zlib+base64",
-        "cells": packed(grid.cells),
+        "cells": packed(np.full_like(grid.cells, -1) if scenario.explores else grid.cells),
     }
     if grid.terrain is not None:
-        floor_map["terrain"] = packed(grid.terrain)
+        if not scenario.explores:
+            floor_map["terrain"] = packed(grid.terrain)
         floor_map["terrain_classes"] = list(grid.terrain_classes)
     robots = []
     for robot in scenario.robots:
@@ -38,7 +39,9 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
             start["carrier"] = robot.carrier
         robots.append(start)
     planning = scenario.planning
+    exploration: dict[str, Any] = {"exploration": {}} if scenario.explores else {}
     return {
+        **exploration,
         "name": scenario.name,
         "domain": scenario.domain,
         "strategy": scenario.strategy,
@@ -62,8 +65,3 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
             "seed": scenario.seed,
         },
     }
-
-
-def packed(cells: NDArray[np.int8] | NDArray[np.uint8]) -> str:
-    """Cells row by row from the bottom, zlib and base64."""
-    return base64.b64encode(zlib.compress(np.ascontiguousarray(cells).tobytes(), 6)).decode("ascii")

@@ -33,6 +33,12 @@ class Navigation:
         self.walls = Floor(grid.walls(), grid.resolution_m, grid.origin_m)
         self._floors: dict[tuple[str, ...], Floor] = {}
 
+    def learn(self, grid: OccupancyGrid) -> None:
+        """The map has changed; routes are found on the new one from now on."""
+        self.grid = grid
+        self.walls = Floor(grid.walls(), grid.resolution_m, grid.origin_m)
+        self._floors = {}
+
     def floor(self, kind: RobotType) -> Floor:
         """The floor as a kind of robot may use it: its centre stays out of forbidden terrain."""
         if kind.enters not in self._floors:

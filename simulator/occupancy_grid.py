@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,3 +97,8 @@ def _grey(path: Path) -> NDArray[np.uint8]:
             return np.ascontiguousarray(np.asarray(image.convert("L"), dtype=np.uint8)[::-1])
     except OSError as error:
         raise MapError(f"{path}: cannot be read as an image: {error}") from None
+
+
+def packed(cells: NDArray[np.int8] | NDArray[np.uint8]) -> str:
+    """Cells row by row from the bottom, zlib and base64."""
+    return base64.b64encode(zlib.compress(np.ascontiguousarray(cells).tobytes(), 6)).decode("ascii")

@@ -10,11 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator._core import Floor
 from simulator.clock import Clock
 from simulator.driving import Driving
 from simulator.execution import ExecutedAction, Execution
 from simulator.fleet_client import FleetClient, MissionState
 from simulator.fleet_scenario import FleetScenario, HiddenBlockade, Pose
+from simulator.mapping.sensed_map import SensedMap
 from simulator.mission_request import mission_request
 from simulator.navigation import Navigation
 from simulator.occupancy_grid import read_map_server
@@ -71,6 +73,8 @@ class SimulationResult:
     """motions planned to let somebody pass"""
     give_way_failures: int
     commands_failed: int
+    known_share: float = 1.0
+    """share of the building's free cells that the fleet knows in the end"""
 
 
 class Simulation:
@@ -83,7 +87,9 @@ class Simulation:
         self.random = np.random.default_rng(scenario.seed)
         self.grid = read_map_server(scenario.map_path)
         self.world = World(self.grid, scenario.blockades)
-        self.navigation = Navigation(self.grid)
+        self.sensed_map = SensedMap(self.grid) if scenario.explores else None
+        known = self.grid if self.sensed_map is None else self.sensed_map.grid()
+        self.navigation = Navigation(known)
         self.robots = {
             start.id: Robot(start.id, scenario.type_of(start), *start.pose, carrier=start.carrier)
             for start in scenario.robots
@@ -93,7 +99,8 @@ class Simulation:
                 robot.activity = "docked"
             else:
                 self.world.place(robot.id, robot.kind.radius_m, robot.pose)
-        self.range_finder = RangeFinder(self.navigation.walls, scenario.noise.laser_range_m)
+        walls = Floor(self.grid.walls(), self.grid.resolution_m, self.grid.origin_m)
+        self.range_finder = RangeFinder(walls, scenario.noise.laser_range_m)
         self.execution = Execution(scenario, self.world, self.navigation, self.robots)
         self.right_of_way = RightOfWay(self.navigation)
         self.driving = Driving(self.world, self.navigation)
@@ -160,7 +167,7 @@ class Simulation:
         return Progress(
             time_s=self.clock.time_s,
             status=self.mission.status,
-            targets=len(self.scenario.targets),
+            targets=max(len(self.scenario.targets), self.mission.targets_left),
             targets_left=self.mission.targets_left,
             blockades_known=len(self._sensed),
             blockades_cleared=len(self._cleared),
@@ -194,6 +201,9 @@ class Simulation:
             if not (everyone or self.clock.every(self.scenario.scan_period_s, offset)):
                 continue
             scan = self.range_finder.scan(robot, present, blockades, self.clock.time_s, self.random)
+            if self.sensed_map is not None:
+                mates = [(r.x, r.y, r.kind.radius_m) for r in present if r is not robot]
+                self.sensed_map.insert(scan, mates)
             for name in scan.blockades:
                 if name not in self._sensed:
                     self._note_sensed(next(b for b in blockades if b.id == name))
@@ -254,7 +264,11 @@ class Simulation:
         )
 
     def _report(self) -> None:
-        execution, begin_s = self.execution, time.perf_counter()
+        execution = self.execution
+        patches = [] if self.sensed_map is None else self.sensed_map.news()
+        if self.sensed_map is not None and patches:
+            self.navigation.learn(self.sensed_map.grid())
+        begin_s = time.perf_counter()
         known = {blockade.id: blockade for blockade in self.scenario.blockades}
         answer = self.client.report(
             round(self.clock.time_s, 3),
@@ -269,6 +283,7 @@ class Simulation:
             ],
             execution.finished,
             execution.failed,
+            map_patches=patches,
         )
         self._waited_s += time.perf_counter() - begin_s
         self._unreported = []
@@ -320,5 +335,6 @@ class Simulation:
             contacts=self.world.contacts,
             give_ways=self.right_of_way.plans,
             give_way_failures=self.right_of_way.failures,
+            known_share=1.0 if self.sensed_map is None else self.sensed_map.known_share(),
             commands_failed=sum(action.outcome == "failed" for action in self.execution.actions),
         )

@@ -1,1 +1,1 @@
-"""Exploration of unknown buildings: the service's strategies at work in the kinematic simulation."""
+"""Exploration of unknown buildings: the service's strategies in the kinematic simulation."""

@@ -13,7 +13,7 @@ from service.coordination.exploration.segment_assignment import (
 )
 from service.coordination.exploration.strategy import Exploring
 from service.coordination.one_step_disaster import OneStepDisaster
-from service.coordination.segmentation.segmentation import SegmentationParameters
+from service.coordination.segmentation.segmentation import THESIS
 from service.coordination.strategy import Strategy
 from service.coordination.temporal import TemporalPlanning
 
@@ -29,10 +29,8 @@ def _planner() -> Strategy:
     return TemporalPlanning(fallback=OneStepDisaster())
 
 
-THESIS = SegmentParameters(
-    spread=False, segmentation=SegmentationParameters(criterion="unknown", least_wall_m=0.0)
-)
-"""Algorithms 1 and 2 and both constraints of 2.4.3 to the letter."""
+TO_THE_LETTER = SegmentParameters(spread=False, segmentation=THESIS)
+"""Algorithms 1 and 2 and both constraints of 2.4.3."""
 
 ARMS: dict[str, Callable[[Building], Strategy]] = {
     "nearest": lambda _: Exploring(NearestFrontier(), "nearest frontier"),
@@ -40,7 +38,7 @@ ARMS: dict[str, Callable[[Building], Strategy]] = {
     "greedy": lambda _: Exploring(GreedyUtility(), "greedy utility"),
     "segments": lambda _: Exploring(SegmentAssignment(), "segments"),
     "segments by hand": lambda building: _by_hand(building, SegmentParameters()),
-    "segments, thesis": lambda _: Exploring(SegmentAssignment(THESIS), "segments, thesis"),
+    "segments, thesis": lambda _: Exploring(SegmentAssignment(TO_THE_LETTER), "segments, thesis"),
     "segments, even": lambda _: Exploring(
         SegmentAssignment(SegmentParameters(spread=False)), "segments, evenly"
     ),

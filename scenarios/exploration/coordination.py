@@ -84,8 +84,8 @@ class StrategyAtWork:
             self._given_up = np.zeros(grid.cells.shape, dtype=np.bool_)
         for robot, position_m in view.positions_m.items():
             if robot in self._sent and dist(self._sent[robot][0], position_m) < _THERE_M:
-                cells = self._sent.pop(robot)[1]
-                self._given_up.ravel()[cells[grid.cells.ravel()[cells] < 0]] = True
+                purpose = self._sent.pop(robot)[1]
+                self._given_up.ravel()[purpose[grid.cells.ravel()[purpose] < 0]] = True
         cells = [_cell(grid, position_m) for position_m in view.positions_m.values()]
         found = exploration_targets(
             grid,
@@ -94,7 +94,9 @@ class StrategyAtWork:
             memory=self._memory,
             given_up=self._given_up,
         )
-        targets = named(found, grid, self._known, self._number, SAME_TARGET_M)
+        targets = named(
+            found, grid, self._known, next_number=self._number, same_within_m=SAME_TARGET_M
+        )
         self._number += sum(name not in self._known for name in targets)
         positions = grid.centres_m([target.cell for target in targets.values()])
         self._known = {
@@ -136,7 +138,7 @@ class StrategyAtWork:
             return None
         path_m = np.concatenate([np.array([position_m]), grid.centres_m(way)])
         reach_cells = round(_PURPOSE_REACH_M / grid.resolution_m)
-        return Errand(path_m, unknown_beside(grid, target.cell, reach_cells))
+        return Errand(path_m, unknown_beside(grid, target.frontier_cell, reach_cells))
 
 
 def _cell(grid: GridMap, position_m: tuple[float, float]) -> int:

@@ -61,9 +61,7 @@ def score(
     points = (np.stack([columns, rows], axis=1) + 0.5) * resolution_m
     apart = np.array([[_distance(point, doorway) for doorway in doorways_m] for point in points])
     at_any = (apart <= WITHIN_M).any(axis=1) if apart.size else np.zeros(len(points), np.bool_)
-    near = [
-        any(_distance(point, doorway) <= WITHIN_M for point in points) for doorway in known
-    ]
+    near = [any(_distance(point, doorway) <= WITHIN_M for point in points) for doorway in known]
     return Score(sum(near), len(known), int(at_any.sum()), len(points))
 
 

@@ -1,4 +1,4 @@
-"""Experiments: grids of buildings, teams, starts and strategies, run one after another, resumable."""
+"""Experiments: grids of buildings, teams, starts and strategies; resumable."""
 
 from __future__ import annotations
 
@@ -45,7 +45,14 @@ class Experiment:
                         built[index] = self.buildings[index]()
                     building = built[index]
                     strategy = ARMS[arm](building)
-                    row = row_of(building, team, start, arm, strategy, self.parameters)
+                    row = row_of(
+                        building,
+                        team,
+                        start,
+                        strategy,
+                        strategy_name=arm,
+                        parameters=self.parameters,
+                    )
                     yield {**row, "map": self.name}
 
 
@@ -92,13 +99,20 @@ def read_rows(file: Path) -> list[Row]:
     if not file.is_file():
         return []
     with file.open(encoding="utf-8", newline="") as stream:
-        return [{name: _value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
+        return [
+            {name: _value(name, text) for name, text in row.items()}
+            for row in csv.DictReader(stream)
+        ]
 
 
 def _value(name: str, text: str) -> Any:
     if name in ("map", "team", "strategy", "status"):
         return text
-    return int(text) if name in ("map_seed", "robots", "seed", "decisions", "most_targets", "clusters") else float(text)
+    return (
+        int(text)
+        if name in ("map_seed", "robots", "seed", "decisions", "most_targets", "clusters")
+        else float(text)
+    )
 
 
 def _append(file: Path, row: Row) -> None:

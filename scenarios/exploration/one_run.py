@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from math import inf
 from random import Random
 from typing import Any
@@ -19,6 +20,7 @@ from semantic_attachments.world import RobotModel
 from service.coordination.strategy import Strategy
 from service.messages.mission import PlanningMessage
 from simulator.kinematic_exploration import (
+    Decide,
     ExplorationResult,
     KinematicExploration,
     KinematicParameters,
@@ -32,8 +34,10 @@ Pose = tuple[float, float, float]
 class RunParameters:
     """What all runs of an experiment have in common."""
 
-    kinematics: KinematicParameters = KinematicParameters()
-    planning: PlanningMessage = PlanningMessage(node_limit=2000, time_limit_s=0.3)
+    kinematics: KinematicParameters = field(default_factory=KinematicParameters)
+    planning: PlanningMessage = field(
+        default_factory=lambda: PlanningMessage(node_limit=2000, time_limit_s=0.3)
+    )
     start_spacing_m: float = 0.8
 
 
@@ -43,8 +47,14 @@ def explore(
     seed: int,
     strategy: Strategy,
     parameters: RunParameters | None = None,
+    *,
+    watched: Callable[[StrategyAtWork], Decide] | None = None,
 ) -> tuple[ExplorationResult, StrategyAtWork]:
-    """Explores a building; the robots start side by side at a place drawn by the seed."""
+    """Explores a building; the robots start side by side at a place drawn by the seed.
+
+    Args:
+        watched: puts somebody between the strategy and the robots who looks on.
+    """
     parameters = parameters or RunParameters()
     kinematics = parameters.kinematics
     at_work = StrategyAtWork(
@@ -61,7 +71,7 @@ def explore(
     named = {f"robot_{number:03d}": pose for number, pose in enumerate(starts, 1)}
     truth = replace(building.truth, cells=reachable_only(building))
     simulation = KinematicExploration(truth, named, kinematics)
-    return simulation.run(at_work), at_work
+    return simulation.run(at_work if watched is None else watched(at_work)), at_work
 
 
 def replace_seed(planning: PlanningMessage, seed: int) -> PlanningMessage:
@@ -74,9 +84,7 @@ def reachable_only(building: Building) -> NDArray[np.int8]:
     cells = building.truth.cells.copy()
     free = cells == 0
     reached = components(cells, building.truth.resolution_m, RADIUS_M) == 1
-    seen = np.isfinite(
-        Region(free).geodesic(np.flatnonzero(reached).astype(np.uint32)).lengths()
-    )
+    seen = np.isfinite(Region(free).geodesic(np.flatnonzero(reached).astype(np.uint32)).lengths())
     cells[free & ~seen] = -1
     return cells
 
@@ -115,8 +123,9 @@ def row_of(
     building: Building,
     robots: int,
     seed: int,
-    strategy_name: str,
     strategy: Strategy,
+    *,
+    strategy_name: str,
     parameters: RunParameters | None = None,
 ) -> dict[str, Any]:
     """What is kept of a run, in the columns that suites use."""

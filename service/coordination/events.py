@@ -62,6 +62,15 @@ class OrdersIssued(Message):
     """While the new plan was being made something happened that it does not reckon with."""
 
 
+class FrontiersFound(Message):
+    """The map has grown: these are the places from which more of it can be seen."""
+
+    kind: Literal["frontiers-found"] = "frontiers-found"
+    time_s: Seconds
+    targets: list[TargetMessage]
+    """All that are left; those of before keep their ids as long as they are there."""
+
+
 class PlanKept(Message):
     """A replan changed nothing."""
 
@@ -164,6 +173,7 @@ Event = Annotated[
     MissionCreated
     | ReportAccepted
     | OrdersIssued
+    | FrontiersFound
     | PlanKept
     | PlanningFailed
     | CommandGivenUp

@@ -6,12 +6,14 @@ mission, before and after a crash.
 
 from collections.abc import Iterable
 
+from service.coordination.effects.frontiers import apply_frontiers
 from service.coordination.effects.orders import apply_orders, give_up, plan_failed
 from service.coordination.effects.people import apply_change
 from service.coordination.effects.reports import apply_report
 from service.coordination.events import (
     CommandGivenUp,
     Event,
+    FrontiersFound,
     MissionClosed,
     MissionCreated,
     OrdersIssued,
@@ -53,6 +55,8 @@ def apply(mission: Mission, event: Event) -> None:
             apply_report(mission, report)
         case OrdersIssued():
             apply_orders(mission, event)
+        case FrontiersFound():
+            apply_frontiers(mission, event)
         case PlanKept():
             mission.plannings += 1
             mission.remark(event.remarks)

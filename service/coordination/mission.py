@@ -24,6 +24,10 @@ class MissionTarget:
     visited_by: str | None = None
     visited_at_s: float | None = None
     removed: bool = False
+    is_frontier: bool = False
+    """Found where the known map ends, in an exploration."""
+    visited_from_m: Position | None = None
+    """Where the robot that visited it was."""
 
     @property
     def is_open(self) -> bool:
@@ -113,6 +117,8 @@ class Mission:
     failures: dict[tuple[str, str], int] = field(default_factory=dict)
     """How often a robot gave up a command to a place."""
     instructions: dict[str, GivenInstruction] = field(default_factory=dict)
+    frontiers_named: int = 0
+    """Exploration targets that have had a name so far."""
     decisions: list[Decision] = field(default_factory=list)
     events: int = 0
 
@@ -133,9 +139,14 @@ class Mission:
 
     @property
     def is_accomplished(self) -> bool:
-        """Whether there were targets and none is left to visit."""
-        return self.targets_left == 0 and any(
-            target.visited_by is not None for target in self.targets.values()
+        """Whether there were targets and none is left to visit.
+
+        An exploration ends when the map shows no frontier any more, see `Replanning`.
+        """
+        return (
+            self.request.exploration is None
+            and self.targets_left == 0
+            and any(target.visited_by is not None for target in self.targets.values())
         )
 
     def is_new(self, sequence: int) -> bool:

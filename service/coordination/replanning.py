@@ -18,7 +18,8 @@ from opentelemetry.context import Context
 from semantic_attachments.world import RobotModel
 from service.coordination import dispatch
 from service.coordination.deliberation import Decided, Deliberation, shared
-from service.coordination.events import OrdersIssued, PlanKept, PlanningFailed
+from service.coordination.events import FrontiersFound, OrdersIssued, PlanKept, PlanningFailed
+from service.coordination.exploration.mission_frontiers import find_frontiers, has_begun
 from service.coordination.ledger import Ledger
 from service.coordination.meeting_points import meeting_points
 from service.coordination.mission import Mission
@@ -160,11 +161,27 @@ class Replanning:
                     meeting_points, mission.map.grid, self._models
                 )
                 self._meetings_of = mission.map.version
+            if mission.request.exploration is not None and not await self._look_for_frontiers():
+                return "explored"
             snapshot = situation(mission, self._models, self._meeting_points, trigger)
             events = mission.events
         self.looked_at_s = snapshot.state.time_s
         snapshot = shared(snapshot, self._planners.share_s)
         return await self._decide(snapshot, events)
+
+    async def _look_for_frontiers(self) -> bool:
+        """Brings the exploration targets up to date; false if that was the end of the mission."""
+        mission = self._ledger.mission
+        if not has_begun(mission):
+            return True
+        found = await asyncio.to_thread(find_frontiers, mission, self._models, self._meeting_points)
+        if found.changed:
+            await self._ledger.record(
+                [FrontiersFound(time_s=mission.time_s, targets=list(found.targets))]
+            )
+        if mission.targets_left == 0:
+            await self._ledger.close("completed", "all that robots can get to is explored")
+        return not mission.is_over
 
     async def _decide(self, snapshot: Situation, events: int) -> str:
         """How the decision on a snapshot of that many events ended, in a word or two."""

@@ -36,6 +36,13 @@ class TargetMessage(Message):
     position_m: Position
 
 
+class ExplorationMessage(Message):
+    """The map is to be explored: frontiers, found as it grows, are targets as well."""
+
+    communication_range_m: Annotated[float, Field(gt=0.0, le=1e6)] | None = None
+    """Robots further apart, and not linked by others, are coordinated apart; None for all."""
+
+
 class PlanningMessage(Message):
     """How much planning a replan may take, and when a new plan takes over."""
 
@@ -59,6 +66,7 @@ class Task(Message):
     robot_types: Annotated[dict[Identifier, RobotTypeMessage], Field(min_length=1, max_length=100)]
     robots: Annotated[list[RobotMessage], Field(min_length=1, max_length=1000)]
     targets: Annotated[list[TargetMessage], Field(max_length=10_000)]
+    exploration: ExplorationMessage | None = None
     planning: PlanningMessage = PlanningMessage()
     lease_s: Seconds = 30.0
     """A robot missing from the reports for longer is planned around until it reports again [s]."""

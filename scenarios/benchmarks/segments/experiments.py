@@ -11,7 +11,8 @@ from simulator.kinematic_exploration import KinematicParameters
 
 SEEDS = (1, 2, 3, 4, 5)
 """of the buildings; parameters were chosen on others (from 100 on)"""
-ARMS = ("nearest", "hungarian", "greedy", "segments by hand", "segments", "segments, thesis")
+CORE = ("nearest", "segments by hand", "segments")
+OTHERS = ("hungarian", "greedy")
 
 
 def experiments(*, quick: bool) -> list[Experiment]:
@@ -24,20 +25,18 @@ def experiments(*, quick: bool) -> list[Experiment]:
             Experiment("small_rooms", small, (4,), starts, ("nearest", "segments")),
             Experiment("large_rooms", large, (4,), starts, ("nearest", "segments")),
         ]
+    crowd = ("nearest", "segments, even", "segments")
+    letter = ("nearest", "segments", "segments, thesis")
+    planner = ("nearest", "segments", "planner")
     return [
-        Experiment("large_rooms", large, (2, 3, 4, 5, 6, 7, 8), starts, ARMS),
-        Experiment("small_rooms", small, (2, 3, 4, 5, 6), starts, ARMS),
-        Experiment(
-            "large_rooms, large teams",
-            large,
-            (16, 32, 64),
-            10,
-            ("nearest", "segments, even", "segments"),
-        ),
-        Experiment(
-            "large_rooms, 10 m communication", large, (4, 8), 10, ("nearest", "segments"), short
-        ),
-        Experiment("small_rooms, planner", small, (2, 4), 5, ("nearest", "segments", "planner")),
+        Experiment("large_rooms", large, (2, 4, 6, 8), starts, CORE),
+        Experiment("small_rooms", small, (2, 3, 4, 5, 6), starts, CORE),
+        Experiment("large_rooms", large, (2, 4, 6, 8), 6, OTHERS),
+        Experiment("small_rooms", small, (2, 3, 4, 5, 6), 6, OTHERS),
+        Experiment("small_rooms, planner", small, (2, 4), 5, planner),
+        Experiment("large_rooms, to the letter", large, (4, 8), 6, letter),
+        Experiment("large_rooms, large teams", large, (16, 64), 4, crowd),
+        Experiment("large_rooms, 10 m radio", large, (4, 8), 4, ("nearest", "segments"), short),
     ]
 
 

@@ -26,8 +26,8 @@ pub struct Region {
 pub struct Geodesic {
     /// In twelfths of a cell.
     lengths: Vec<u32>,
-    /// Index of the nearest source, or [`Geodesic::NO_SOURCE`].
-    pub source: Vec<u32>,
+    /// Index of the nearest source of several; empty if there is one only.
+    source: Vec<u32>,
 }
 
 impl Region {
@@ -52,9 +52,10 @@ impl Region {
     #[must_use]
     pub fn geodesic(&self, sources: &[u32], goals: &[u32]) -> Geodesic {
         let cells = self.shape.len();
+        let several = sources.len() > 1;
         let mut found = Geodesic {
             lengths: vec![FAR; cells],
-            source: vec![Geodesic::NO_SOURCE; cells],
+            source: vec![Geodesic::NO_SOURCE; if several { cells } else { 0 }],
         };
         let mut is_goal = vec![false; if goals.is_empty() { 0 } else { cells }];
         let mut missing = 0;
@@ -67,7 +68,9 @@ impl Region {
         for (index, &source) in sources.iter().enumerate() {
             if found.lengths[source as usize] == FAR {
                 found.lengths[source as usize] = 0;
-                found.source[source as usize] = index as u32;
+                if several {
+                    found.source[source as usize] = index as u32;
+                }
                 buckets[0].push(source);
             }
         }
@@ -97,7 +100,9 @@ impl Region {
                     let longer = length + step_length(step);
                     if longer < found.lengths[next] {
                         found.lengths[next] = longer;
-                        found.source[next] = found.source[at];
+                        if several {
+                            found.source[next] = found.source[at];
+                        }
                         buckets[(longer % (DIAGONAL + 1)) as usize].push(next as u32);
                     }
                 }
@@ -133,7 +138,7 @@ impl Region {
 }
 
 impl Geodesic {
-    /// What stands for "no path" in `source`.
+    /// What stands for "no path" in [`Geodesic::sources`].
     pub const NO_SOURCE: u32 = u32::MAX;
 
     /// Length to a cell [cells], infinite without a path.
@@ -143,6 +148,16 @@ impl Geodesic {
             FAR => f32::INFINITY,
             length => length as f32 / STRAIGHT as f32,
         }
+    }
+
+    /// Index of each cell's nearest source, or [`Geodesic::NO_SOURCE`]; row-major.
+    #[must_use]
+    pub fn sources(&self) -> Vec<u32> {
+        let nearest = |cell: usize| match self.lengths[cell] {
+            FAR => Self::NO_SOURCE,
+            _ => self.source.get(cell).copied().unwrap_or(0),
+        };
+        (0..self.lengths.len()).map(nearest).collect()
     }
 
     /// All lengths [cells], row-major.
@@ -155,9 +170,9 @@ impl Geodesic {
 
     /// A search that stopped early knows only upper bounds beyond.
     fn forget_beyond(&mut self, length: u32) {
-        for (known, source) in self.lengths.iter_mut().zip(&mut self.source) {
+        for known in &mut self.lengths {
             if *known > length {
-                (*known, *source) = (FAR, Self::NO_SOURCE);
+                *known = FAR;
             }
         }
     }
@@ -168,6 +183,7 @@ mod tests {
     use super::*;
     use crate::one_to_all::one_to_all;
     use proptest::prelude::*;
+    use std::sync::Arc;
 
     proptest! {
         #[test]
@@ -179,10 +195,10 @@ mod tests {
             let source = source % shape.len() as u32;
             let mut inside: Vec<bool> = bits[..shape.len()].iter().map(|&bit| bit != 0).collect();
             inside[source as usize] = true;
-            let exact = one_to_all(shape, &all_moves(shape, &inside), None, source);
+            let exact = one_to_all(shape, Arc::new(all_moves(shape, &inside)), None, source);
             let region = Region::new(shape, &inside);
             let found = region.geodesic(&[source], &[]);
-            for (cell, &distance) in exact.distances.iter().enumerate() {
+            for (cell, &distance) in exact.distances().iter().enumerate() {
                 let length = f64::from(found.length_cells(cell));
                 prop_assert_eq!(length.is_finite(), distance.is_finite());
                 if distance.is_finite() {
@@ -206,18 +222,8 @@ mod tests {
         };
         let region = Region::new(shape, &[true, true, true, true, true, false, true]);
         let found = region.geodesic(&[4, 0], &[]);
-        assert_eq!(
-            found.source,
-            [
-                1,
-                1,
-                found.source[2],
-                0,
-                0,
-                Geodesic::NO_SOURCE,
-                Geodesic::NO_SOURCE
-            ]
-        );
+        let (sources, none) = (found.sources(), Geodesic::NO_SOURCE);
+        assert_eq!(sources, [1, 1, sources[2], 0, 0, none, none]);
         assert_eq!(found.length_cells(2), 2.0);
     }
 }

@@ -91,6 +91,7 @@ def _finish(mission: Mission, robot_id: str, command_id: str, time_s: float) -> 
             target = mission.targets.get(command.location or "")
             if target is not None and target.visited_by is None:
                 target.visited_by, target.visited_at_s = robot_id, time_s
+                target.visited_from_m = robot.position_m
         case "clear":
             blockade = mission.blockades.get(command.location or "")
             if blockade is not None and blockade.cleared_by is None:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import pdist, squareform
 
@@ -17,7 +17,7 @@ def communication_clusters(
     if range_m is None:
         return (tuple(range(len(positions_m))),)
     apart_m = squareform(pdist(np.asarray(positions_m, dtype=np.float64)))
-    _, labels = connected_components(csr_array(apart_m <= range_m), directed=False)
+    _, labels = connected_components(coo_array(apart_m <= range_m), directed=False)
     return tuple(
         tuple(np.flatnonzero(labels == label).tolist()) for label in dict.fromkeys(labels.tolist())
     )

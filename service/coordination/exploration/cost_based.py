@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from service.coordination.assignment import hungarian, nearest_pairs
 from service.coordination.exploration.problem import ExplorationProblem
 
@@ -13,8 +15,10 @@ class HungarianCosts:
     """
 
     def assign(self, problem: ExplorationProblem) -> Mapping[int, int]:
-        """The Hungarian method on robots and targets."""
-        return hungarian(problem.costs_s.tolist(), share=True)
+        """The Hungarian method on the targets and the robots that can get to any of them."""
+        able = np.flatnonzero(np.isfinite(problem.costs_s).any(axis=1)).tolist()
+        found = hungarian(problem.costs_s[able].tolist(), share=True)
+        return {able[row]: column for row, column in found.items()}
 
 
 class NearestFrontier:

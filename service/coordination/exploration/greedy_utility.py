@@ -39,4 +39,3 @@ class GreedyUtility:
             apart_m = np.linalg.norm(positions_m - positions_m[target], axis=1)
             utility -= np.clip(1.0 - apart_m / problem.sensor_range_m, 0.0, None)
         return dict(sorted(chosen.items()))
-

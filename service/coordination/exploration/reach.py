@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import ceil
 
 import numpy as np
@@ -11,8 +12,10 @@ from scipy import ndimage
 from semantic_attachments._core import Region, Traversability
 from semantic_attachments.contract import Memory
 from semantic_attachments.robot_class import GridParameters, RobotClass
-from semantic_attachments.world import OCCUPIED_FROM, Blockade, GridMap, RobotModel
+from semantic_attachments.world import Blockade, GridMap, RobotModel
 
+EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
+_KNOWN = GridParameters()
 _OPTIMISTIC = GridParameters(unknown_is_free=True)
 
 
@@ -31,20 +34,17 @@ def reachable_space(
 
 
 class ReachableSpace:
-    """The known space that one class of robots can move in.
-
-    Bodies keep clear of obstacles but, unlike on their way through known space, may come up to
-    unknown cells: that is what exploring means.
-    """
+    """The known space that one class of robots can move in, clear of what is unknown too."""
 
     def __init__(
         self, grid: GridMap, model: RobotModel, blockades: tuple[Blockade, ...] = ()
     ) -> None:
-        robot_class = RobotClass.of(model, grid, _OPTIMISTIC)
-        self._map: Traversability = robot_class.traversability(grid, blockades, _OPTIMISTIC)
-        known_free = (grid.cells >= 0) & (grid.cells < OCCUPIED_FROM)
-        self.mask: NDArray[np.bool_] = self._map.passable() & known_free
+        robot_class = RobotClass.of(model, grid, _KNOWN)
+        self._map: Traversability = robot_class.traversability(grid, blockades, _KNOWN)
+        self.mask: NDArray[np.bool_] = self._map.passable()
         """(height, width) where a robot's centre may be."""
+        self._class, self._grid, self._blockades = robot_class, grid, blockades
+        self._reach_cells = ceil(model.radius_m / grid.resolution_m) + 2
         self._region = Region(self.mask)
         self._snap_cells = 1.5 * model.radius_m / grid.resolution_m + 3.0
         self._metres_a_cell = grid.resolution_m
@@ -82,6 +82,18 @@ class ReachableSpace:
         field = self._region.geodesic([target_cell], [start])
         return self._region.descend(field, start).astype(np.int64)
 
+    @cached_property
+    def ahead(self) -> NDArray[np.bool_]:
+        """(height, width) known cells where it could be if what is unknown beside were free."""
+        optimistic = self._class.traversability(self._grid, self._blockades, _OPTIMISTIC)
+        return optimistic.passable() & (self._grid.cells >= 0)
+
+    def before(self, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """(height, width) a part of the space, and the known cells right before it."""
+        return ndimage.binary_dilation(
+            reached, EIGHT_NEIGHBOURS, iterations=self._reach_cells, mask=self.ahead
+        )
+
     def connected_with(self, cells: Sequence[int]) -> NDArray[np.bool_]:
         """(height, width) the part of the space that is connected with one of its cells.
 
@@ -96,13 +108,17 @@ class ReachableSpace:
 
     def snapped(self, cell: int) -> int | None:
         """The nearest cell of the space, if there is one within the reach of a small detour."""
-        rows, columns = self.mask.shape
-        if self.mask.ravel()[cell]:
+        return self.nearest_in(self.mask, cell)
+
+    def nearest_in(self, mask: NDArray[np.bool_], cell: int) -> int | None:
+        """The cell of a mask (height, width) that is nearest to a cell, if one is near."""
+        columns = mask.shape[1]
+        if mask.ravel()[cell]:
             return cell
         row, column = divmod(cell, columns)
         reach = ceil(self._snap_cells)
         low = (max(row - reach, 0), max(column - reach, 0))
-        window = self.mask[low[0] : row + reach + 1, low[1] : column + reach + 1]
+        window = mask[low[0] : row + reach + 1, low[1] : column + reach + 1]
         near = np.argwhere(window) + low
         if not len(near):
             return None

@@ -1,7 +1,7 @@
 """Assignment of robots to segments of the map (Wurm, section 2.5, Algorithm 2)."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,14 +24,14 @@ class SegmentParameters:
     spread: bool = True
     """Whether a team larger than the number of segments is distributed by the length of the
     frontiers in them, instead of evenly."""
-    segmentation: SegmentationParameters = SegmentationParameters()
+    segmentation: SegmentationParameters = field(default_factory=SegmentationParameters)
 
 
 @dataclass(frozen=True)
 class SegmentAssignment:
     """Robots to segments first, then to targets inside their segment."""
 
-    parameters: SegmentParameters = SegmentParameters()
+    parameters: SegmentParameters = field(default_factory=SegmentParameters)
     labels: Callable[[GridMap], Labels] | None = None
     """A segmentation made by other means, for instance by hand; (rows, columns), 0 for none."""
 
@@ -82,31 +82,36 @@ def assign_by_segment(
     costs = np.stack([costs_s[:, of].min(axis=1) for of in members], axis=1)
     costs *= np.where(segment_of_robot[:, None] == segments[None, :], discount, 1.0)
     # 10: robots to segments
-    slots = _slots(robots, segments, work)
-    by_slot = hungarian(costs[:, slots].tolist(), share=True)
+    able = np.flatnonzero(np.isfinite(costs).any(axis=1)).tolist()
+    if not able:
+        return {}
+    slots = _slots(len(able), segments, work)
+    by_slot = hungarian(costs[able][:, slots].tolist())
+    segment_of = {able[row]: slots[slot] for row, slot in by_slot.items()}
+    for robot in able:
+        # Where others have taken all the places it can get to, it joins them.
+        segment_of.setdefault(robot, int(np.argmin(costs[robot])))
     # 11 to 15: robots to targets inside each segment
     chosen: dict[int, int] = {}
     for index, targets_here in enumerate(members):
-        here = [robot for robot, slot in by_slot.items() if slots[slot] == index]
+        here = [robot for robot in able if segment_of[robot] == index]
         if here:
-            local = hungarian(costs_s[np.ix_(here, targets_here)].tolist(), share=True)
+            local = hungarian(costs_s[here][:, targets_here].tolist(), share=True)
             chosen |= {here[row]: int(targets_here[column]) for row, column in local.items()}
     return dict(sorted(chosen.items()))
 
 
-def _slots(
-    robots: int, segments: NDArray[np.int32], work: NDArray[np.int64] | None
-) -> Sequence[int]:
+def _slots(robots: int, segments: NDArray[np.int32], work: NDArray[np.int64] | None) -> list[int]:
     """Index of the segment of each place that a robot can take.
 
-    One place a segment, and for a larger team further places in proportion to the work (highest
-    averages, Jefferson's method), so that no segment gets a second robot before the first of
-    another.
+    One place a segment, and for a larger team as many more as there are robots, in proportion to
+    the work (highest averages, Jefferson's method): no segment gets a second robot before each has
+    its first.
     """
     slots = list(range(len(segments)))
-    if work is None or robots <= len(segments):
-        return slots
-    share = np.maximum(work[segments].astype(np.float64), 1.0)
+    share = np.ones(len(segments))
+    if work is not None:
+        share = np.maximum(work[segments].astype(np.float64), 1.0)
     places = np.ones(len(segments))
     while len(slots) < robots:
         index = int(np.argmax(share / (places + 1.0)))

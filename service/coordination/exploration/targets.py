@@ -21,7 +21,9 @@ class ExplorationTarget:
     """A place from which unknown space can be seen, and who can get there."""
 
     cell: int
-    """`row * width + column`."""
+    """Where a robot can stand, `row * width + column`."""
+    frontier_cell: int
+    """The cell of the frontier that it can see from there."""
     cells: int
     """Number of frontier cells that it stands for."""
     robot_types: tuple[str, ...]
@@ -32,6 +34,7 @@ def exploration_targets(
     grid: GridMap,
     models: Mapping[str, RobotModel],
     robot_cells: Mapping[str, Collection[int]],
+    *,
     blockades: tuple[Blockade, ...] = (),
     memory: Memory | None = None,
     given_up: NDArray[np.bool_] | None = None,
@@ -60,17 +63,19 @@ def exploration_targets(
         space = reachable_space(grid, model, blockades, memory)
         cells = [cell for name in types for cell in robot_cells[name]]
         reached = _reached(space, cells)
+        before = space.before(reached)
         for frontier in frontiers(
-            reached & ~taken,
+            before & ~taken,
             unknown,
             visible_cells=model.sensor_range_m / grid.resolution_m,
             least_cells=LEAST_CELLS,
         ):
             row, column = frontier.cell
-            found.append(
-                ExplorationTarget(row * grid.width + column, frontier.cells, tuple(types))
-            )
-        taken |= reached
+            cell = row * grid.width + column
+            standing = space.nearest_in(reached, cell)
+            if standing is not None:
+                found.append(ExplorationTarget(standing, cell, frontier.cells, tuple(types)))
+        taken |= before
     return tuple(found)
 
 
@@ -78,8 +83,10 @@ def named(
     found: Sequence[ExplorationTarget],
     grid: GridMap,
     known: Mapping[str, PositionM],
+    *,
     next_number: int,
     same_within_m: float,
+    prefix: str = "frontier ",
 ) -> dict[str, ExplorationTarget]:
     """Names of targets: what lies near a target of before has its name, others get new ones.
 
@@ -101,7 +108,7 @@ def named(
             names[index] = name
     for index in range(len(found)):
         if index not in names:
-            names[index] = f"frontier {next_number}"
+            names[index] = f"{prefix}{next_number}"
             next_number += 1
     return {names[index]: target for index, target in enumerate(found)}
 

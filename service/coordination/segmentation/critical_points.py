@@ -12,7 +12,7 @@ def local_minima(graph: ReducedGraph) -> tuple[int, ...]:
     """Nodes nearer to obstacles than all their neighbours, by cell.
 
     Thrun, "Learning Metric-Topological Maps for Indoor Mobile Robot Navigation", Artificial
-    Intelligence 99 (1998): doorways and other narrow passages, and much else where there is clutter.
+    Intelligence 99 (1998): doorways and other narrow passages, and much else in clutter.
     """
     clearance = graph.clearance_cells
     return tuple(
@@ -31,15 +31,11 @@ def at_junctions(graph: ReducedGraph) -> tuple[int, ...]:
         cell
         for cell in local_minima(graph)
         if len(graph.neighbours[cell]) == 2
-        and any(
-            len(graph.neighbours[other]) >= JUNCTION_DEGREE for other in graph.neighbours[cell]
-        )
+        and any(len(graph.neighbours[other]) >= JUNCTION_DEGREE for other in graph.neighbours[cell])
     )
 
 
-def critical_points(
-    graph: ReducedGraph, unknown_cells: NDArray[np.float32]
-) -> tuple[int, ...]:
+def critical_points(graph: ReducedGraph, unknown_cells: NDArray[np.float32]) -> tuple[int, ...]:
     """Those of them that lead from known into unknown space: both constraints of 2.4.3.
 
     Across such a point the way to the nearest unknown cell gets shorter all along.

@@ -20,7 +20,7 @@ Cut = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]
 def cuts(points: Sequence[int], distances: DistanceTransform) -> tuple[Cut, ...]:
     """The critical lines of critical points, given by cell."""
     nearest = distances.nearest()
-    rows, columns = nearest.shape
+    columns = nearest.shape[1]
     found = []
     for cell in points:
         row, column = divmod(cell, columns)
@@ -48,8 +48,7 @@ def partition(free: NDArray[np.bool_], lines: Sequence[Cut]) -> NDArray[np.int32
         for begin, end in ((ends[:, 0], ends[:, 1]), (ends[:, 1], ends[:, 2])):
             rows, columns = _cells_between(begin, end)
             open_cells[rows, columns] = False
-    labels, _ = ndimage.label(open_cells)
-    labels = labels.astype(np.int32)
+    labels: NDArray[np.int32] = ndimage.label(open_cells)[0].astype(np.int32)
     left_over = np.flatnonzero(free.ravel() & (labels.ravel() == 0))
     if len(left_over):
         _join_nearest(free, labels, left_over)

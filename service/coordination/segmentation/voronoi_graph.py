@@ -98,7 +98,12 @@ def graph_of(skeleton: NDArray[np.bool_], clearance_cells: NDArray[np.float32]) 
     number = np.full(flat.shape, -1, dtype=np.int32)
     number[at] = np.arange(len(at))
     pairs = []
-    for step, between in ((1, None), (width, None), (width + 1, (1, width)), (width - 1, (-1, width))):
+    for step, between in (
+        (1, None),
+        (width, None),
+        (width + 1, (1, width)),
+        (width - 1, (-1, width)),
+    ):
         joined = flat[at + step]
         if between is not None:
             joined &= ~(flat[at + between[0]] | flat[at + between[1]])

@@ -168,8 +168,7 @@ impl Geodesic {
     /// (height, width) uint32: index of the nearest source, 2^32 - 1 where there is no path.
     fn sources<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         self.field
-            .source
-            .clone()
+            .sources()
             .into_pyarray(py)
             .reshape([self.shape.height, self.shape.width])
     }
