@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from simulator.mission_request import packed
+from simulator.occupancy_grid import packed
 from simulator.vegetation.terrain_grid import FREE, TERRAIN_CLASSES, UNKNOWN, TerrainGrid
 
 PATCH_CELLS = 64

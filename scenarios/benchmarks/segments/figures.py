@@ -98,7 +98,7 @@ def _middle(team: str, teams: Sequence[str]) -> float:
 
 
 def _robots(team: str) -> int:
-    return int(team.split()[0])
+    return int(team.split(maxsplit=1)[0])
 
 
 def _text(text: str, x: float, y: float, *, anchor: str = "middle", size: int = 12) -> str:
