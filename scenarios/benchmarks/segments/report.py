@@ -15,6 +15,7 @@ from scenarios.benchmarks.segments.experiments import experiments
 from scenarios.benchmarks.segments.figures import improvement_figure
 from scenarios.benchmarks.segments.pictures import draw_pictures
 from scenarios.benchmarks.segments.speed import speed_table
+from scenarios.benchmarks.segments.two_robots import two_robot_table
 from scenarios.exploration.buildings import generated
 from scenarios.exploration.experiments import Row, run_all
 
@@ -28,6 +29,7 @@ def run(*, quick: bool, out: Path) -> str:
     parts = ["# Exploration by segments of the map", ""]
     for name, of_map in _by_map(rows).items():
         parts += _experiment(name, of_map, out)
+    parts += ["## Two robots (section 2.6.2)", "", two_robot_table(quick=quick), ""]
     parts += ["## Doorways", "", doorway_table(quick=quick), ""]
     parts += ["## Speed", "", speed_table(quick=quick), ""]
     parts += ["## Pictures", ""]
