@@ -35,6 +35,7 @@ from scenarios.service_link import ServiceLink
 from service.client import ServiceError
 from service.settings import Settings
 from simulator.fleet_client import FleetClient, FleetClientError
+from simulator.fleet_scenario import FleetScenario
 from simulator.simulation import Simulation, SimulationResult
 
 
@@ -168,6 +169,7 @@ def record_of(
         seed=fleet.seed,
         version=version("marsupial"),
         status=result.outcome,
+        known_share=result.known_share if fleet.explores else None,
         status_reason=str(mission["status_reason"] or ""),
         duration_s=result.time_s,
         wall_s=wall_s,
@@ -200,7 +202,8 @@ def record_of(
                 result.visited.get(target.id),
             )
             for target in fleet.targets
-        ),
+        )
+        + _frontiers(fleet, result, visits),
         blockades=tuple(
             BlockadeRecord(
                 blockade.id,
@@ -222,4 +225,21 @@ def record_of(
             for decision in mission["decisions"]
         ),
         plans=tuple(plans.plans),
+    )
+
+
+def _frontiers(
+    fleet: FleetScenario, result: SimulationResult, visits: dict[str, Any]
+) -> tuple[TargetRecord, ...]:
+    """The exploration targets that robots have been to."""
+    given = {target.id for target in fleet.targets}
+    return tuple(
+        TargetRecord(
+            name,
+            (float(status["position_m"][0]), float(status["position_m"][1])),
+            status["visited_by"],
+            result.visited.get(name),
+        )
+        for name, status in visits.items()
+        if name not in given and status["visited_by"] is not None
     )

@@ -127,6 +127,8 @@ class MissionRecord:
     plans: tuple[PlanRecord, ...]
     mission: str | None = None
     """its id, if this is what a service's log tells: nobody knows of touches or hidden blockades"""
+    known_share: float | None = None
+    """of the free cells of a building that was to be explored, those known in the end"""
 
     @property
     def completed(self) -> bool:

@@ -41,7 +41,9 @@ def figures_of(record: MissionRecord) -> list[tuple[str, str]]:
     return [
         ("mission", f"{record.scenario}: {record.status} ({record.strategy})"),
         ("mission time", f"{clock(record.duration_s)} simulated, {record.wall_s:.1f} s computed"),
-        ("targets", f"{visited} of {len(record.targets)} visited"),
+        ("targets", f"{visited} of {len(record.targets)} visited")
+        if record.known_share is None
+        else ("map", f"{record.known_share:.1%} known, from {visited} frontiers"),
         (
             "blockades",
             f"{record.blockades_seen} of {len(record.blockades)} met, "
