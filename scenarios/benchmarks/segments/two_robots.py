@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenarios.exploration.arms import ARMS
 from scenarios.exploration.buildings import Building, generated
@@ -57,11 +58,11 @@ def rooms_entered(building: Building, result: ExplorationResult) -> tuple[int, i
     return counts.count(1), sum(count > 1 for count in counts), counts.count(0)
 
 
-def _without_margin(rooms: np.ndarray, cells: int) -> np.ndarray:  # type: ignore[type-arg]
+def _without_margin(rooms: NDArray[np.int32], cells: int) -> NDArray[np.int32]:
     """The rooms without the strip along their walls and in their doors."""
     from scipy import ndimage
 
     size = 2 * cells + 1
     least = ndimage.minimum_filter(rooms, size, mode="constant", cval=0)
     most = ndimage.maximum_filter(rooms, size, mode="constant", cval=0)
-    return np.where(least == most, rooms, 0)
+    return np.where(least == most, rooms, np.int32(0))
