@@ -13,7 +13,13 @@ from semantic_attachments.world import Blockade, GridMap
 from service.coordination.exploration.communication_clusters import communication_clusters
 from service.coordination.exploration.problem import Assigner, ExplorationProblem
 from service.coordination.exploration.reach import reachable_space
-from service.coordination.one_step_disaster import being_cleared, clear_nearest, steps_of
+from service.coordination.one_step_disaster import (
+    being_cleared,
+    clear_nearest,
+    free,
+    steps_of,
+    wait_at_blockades,
+)
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from service.coordination.travel import Travel
 
@@ -42,10 +48,8 @@ class Exploring:
         orders: list[Assignment] = []
         for cluster in clusters:
             orders += self._assigned([robots[index] for index in cluster], situation, memory)
-        clearers = [robot.id for robot in free_robots if robot.type == CLEARER]
-        if clearers and state.blockades:
-            travel = Travel(situation, memory)
-            orders += clear_nearest(situation, travel, clearers, taken=being_cleared(situation))
+        if state.blockades:
+            orders += _about_blockades(situation, memory, {order.robot for order in orders})
         if not orders and not any(robot.activity in AT_WORK for robot in state.robots):
             raise NoPlanError("no robot can reach a target")
         orders.sort(key=lambda order: order.robot)
@@ -70,6 +74,18 @@ class Exploring:
             for row, column in self.assigner.assign(problem).items()
             if np.isfinite(problem.costs_s[row, column])
         ]
+
+
+def _about_blockades(situation: Situation, memory: Memory, ordered: set[str]) -> list[Assignment]:
+    """Clearers go to the nearest blockades; explorers whose targets are all sealed wait there."""
+    travel = Travel(situation, memory)
+    clearers = free(situation, CLEARER)
+    sealed = [robot for robot in free(situation, "explorer") if robot not in ordered]
+    targets = [target.id for target in situation.state.targets]
+    return [
+        *clear_nearest(situation, travel, clearers, taken=being_cleared(situation)),
+        *wait_at_blockades(situation, travel, sealed, targets, memory),
+    ]
 
 
 def problem_of(
