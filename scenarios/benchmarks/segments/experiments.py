@@ -32,10 +32,10 @@ def experiments(*, quick: bool) -> list[Experiment]:
         Experiment("large_rooms", large, (2, 4, 6, 8), starts, CORE),
         Experiment("small_rooms", small, (2, 3, 4, 5, 6), starts, CORE),
         Experiment("large_rooms", large, (2, 4, 6, 8), 6, OTHERS),
-        Experiment("small_rooms", small, (2, 3, 4, 5, 6), 6, OTHERS),
+        Experiment("small_rooms", small, (2, 3, 4, 5, 6), 6, (*OTHERS, "segments, thesis")),
         Experiment("small_rooms, planner", small, (2, 4), 5, planner),
         Experiment("large_rooms, to the letter", large, (4, 8), 6, letter),
-        Experiment("large_rooms, large teams", large, (16, 64), 4, crowd),
+        Experiment("small_rooms, large teams", small, (12, 24), 6, crowd),
         Experiment("large_rooms, 10 m radio", large, (4, 8), 4, ("nearest", "segments"), short),
     ]
 
