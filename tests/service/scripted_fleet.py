@@ -75,6 +75,8 @@ class ScriptedFleet:
     seen: list[HiddenBlockade] = field(default_factory=list)
     told: set[str] = field(default_factory=set)
     finished: list[dict[str, str]] = field(default_factory=list)
+    done: set[str] = field(default_factory=set)
+    """Ids of commands carried out: none is carried out again, should an answer still carry it."""
     executed: list[tuple[str, str, str | None]] = field(default_factory=list)
     """Every command carried out: robot, kind, location."""
 
@@ -138,7 +140,7 @@ class ScriptedFleet:
             command = commands.get(robot.id)
             if robot.is_busy or robot.state == "failed":
                 continue
-            if command is None:
+            if command is None or command["id"] in self.done:
                 robot.command, robot.path = None, []
                 robot.state = "docked" if robot.carrier else "idle"
             elif robot.command is None or robot.command["id"] != command["id"]:
@@ -221,6 +223,7 @@ class ScriptedFleet:
     def _finish(self, robot: Robot) -> None:
         assert robot.command is not None
         self.finished.append({"robot": robot.id, "command": robot.command["id"]})
+        self.done.add(robot.command["id"])
         self.executed.append((robot.id, robot.command["kind"], robot.command["location"]))
         robot.command, robot.path = None, []
         robot.state = "docked" if robot.carrier else "idle"
