@@ -32,7 +32,7 @@ def improvement_figure(title: str, comparisons: Sequence[Comparison]) -> str:
         offset = (arms.index(arm) - (len(arms) - 1) / 2) * min(14.0, 0.7 * slot / len(arms))
         return LEFT + slot * (teams.index(team) + 0.5) + offset
 
-    drawn = [_text(title, LEFT, 16, size=14)]
+    drawn = [_text(title, LEFT, 16, anchor="start", size=14)]
     percent = bottom
     while percent <= top + 1e-9:
         bold = abs(percent) < 1e-9
