@@ -53,6 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .parse()
             .ok()
             .map(|seconds| began + Duration::from_secs_f64(seconds)),
+        patience: None,
         cancel: &cancel,
         nodes: seconds.strip_suffix('n').map(str::parse).transpose()?,
     };

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::attachment::{AttachmentError, Attachments};
-use crate::grounding::{GroundingError, GroundingLimits, ground};
+use crate::grounding::{GroundingError, GroundingLimits, ground, ground_partially};
 use crate::outcome::{Limit, Outcome};
 use crate::pddl::model::{Domain, Problem};
 use crate::plan::Plan;
@@ -98,6 +98,13 @@ pub enum SolveError {
     Attachment(#[from] AttachmentError),
 }
 
+/// Instantiations waiting at a time beyond which a problem is grounded in parts.
+const WHOLE: usize = 1_000_000;
+
+/// How many alike facts a partial grounding goes on from, wider where that finds no plan; the last
+/// attempt grounds everything.
+const WIDTHS: [Option<u32>; 4] = [Some(2), Some(8), Some(32), None];
+
 /// Solves a problem and calls `improved` with every improving plan as soon as it is found.
 ///
 /// # Errors
@@ -116,14 +123,35 @@ pub fn solve(
         cancel: options.cancel,
         ..GroundingLimits::default()
     };
-    let task = match ground(domain, problem, attachments, &limits) {
-        Ok(task) => task,
-        Err(GroundingError::TimedOut) => return Ok(empty(Outcome::TimedOut, begun)),
-        Err(GroundingError::Cancelled) => return Ok(empty(Outcome::Cancelled, begun)),
-        Err(GroundingError::Attachment(error)) => return Err(SolveError::Attachment(error)),
-        Err(error) => return Err(SolveError::Grounding(error)),
+    let whole = GroundingLimits {
+        candidates: WHOLE,
+        ..limits
     };
-    solve_task(&task, attachments, options, begun, improved)
+    let mut grounded = ground(domain, problem, attachments, &whole);
+    let mut wider = WIDTHS.iter();
+    loop {
+        if matches!(grounded, Err(GroundingError::TooManyCandidates))
+            && let Some(width) = wider.next()
+        {
+            grounded = match width {
+                Some(width) => ground_partially(domain, problem, attachments, &limits, *width),
+                None => ground(domain, problem, attachments, &limits),
+            };
+        }
+        let task = match grounded {
+            Ok(task) => task,
+            Err(GroundingError::TimedOut) => return Ok(empty(Outcome::TimedOut, begun)),
+            Err(GroundingError::Cancelled) => return Ok(empty(Outcome::Cancelled, begun)),
+            Err(GroundingError::Attachment(error)) => return Err(SolveError::Attachment(error)),
+            Err(error) => return Err(SolveError::Grounding(error)),
+        };
+        let report = solve_task(&task, attachments, options, begun, improved)?;
+        let hopeless = task.partial && report.plans.is_empty() && report.limit.is_none();
+        if !hopeless {
+            return Ok(report);
+        }
+        grounded = Err(GroundingError::TooManyCandidates);
+    }
 }
 
 /// Solves a grounded task; `begun` is when the clock started.
@@ -140,10 +168,17 @@ pub fn solve_task(
     let mut report = empty(Outcome::ProvenUnsolvable, begun);
     report.operators = task.operators.len();
     report.facts = task.facts.len();
-    if task.unsolvable {
-        return Ok(report);
+    if !task.unsolvable {
+        portfolio::run(task, attachments, options, begun, &mut report, improved)?;
     }
-    portfolio::run(task, attachments, options, begun, &mut report, improved)?;
+    if task.partial {
+        report.lower_bound = 0.0;
+        report.outcome = match report.outcome {
+            Outcome::ProvenUnsolvable => Outcome::Exhausted,
+            Outcome::SolvedOptimally => Outcome::Solved,
+            other => other,
+        };
+    }
     Ok(report)
 }
 

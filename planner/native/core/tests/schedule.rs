@@ -114,6 +114,7 @@ impl Case {
         let cancel = AtomicBool::new(false);
         let limits = Limits {
             deadline: None,
+            patience: None,
             cancel: &cancel,
             nodes: Some(nodes),
         };

@@ -42,7 +42,8 @@ pub fn analyse(task: &Task) -> Completeness {
         .iter()
         .all(|operator| readers.harmless(operator));
     let required_concurrency = required_concurrency(task);
-    let plain = !opaque && fixed && !task.narrowed && task.axioms.is_empty();
+    let whole = !task.narrowed && !task.partial;
+    let plain = !opaque && fixed && whole && task.axioms.is_empty();
     Completeness {
         finds_plans: plain && timeless && !required_concurrency && readers.sequential(task),
         keeps_optima: plain && timeless && harmless && task.metric.is_none(),

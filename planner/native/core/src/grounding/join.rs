@@ -20,6 +20,8 @@ pub(super) struct Trigger<'a> {
     pub(super) sequence: u32,
     /// Its arguments.
     pub(super) tuple: &'a [ObjectId],
+    /// Whether rows stand in the order of their sequence numbers.
+    pub(super) in_order: bool,
 }
 
 /// Calls `emit` with the arguments of every instantiation that the trigger completes, or, without
@@ -37,6 +39,7 @@ pub(super) fn instantiate(
         bindings: vec![UNBOUND; schema.parameters.len()],
         done: vec![false; schema.join.len()],
         stopped: false,
+        in_order: trigger.is_none_or(|t| t.in_order),
         emit,
     };
     if let Some(trigger) = trigger {
@@ -57,6 +60,7 @@ struct Join<'a, 'b> {
     bindings: Vec<ObjectId>,
     done: Vec<bool>,
     stopped: bool,
+    in_order: bool,
     emit: &'a mut dyn FnMut(&[ObjectId]) -> bool,
 }
 
@@ -147,8 +151,11 @@ impl Join<'_, '_> {
         } else {
             let mut bound = Vec::new();
             let mut visit = |join: &mut Self, row: u32| {
-                if join.stopped || relation.sequence(row) > newest {
+                if join.stopped {
                     return false;
+                }
+                if relation.sequence(row) > newest {
+                    return !join.in_order;
                 }
                 if join.unify(atom, relation.tuple(row), &mut bound) {
                     join.extend();

@@ -10,6 +10,7 @@
 //! Intelligence 173, 2009, section 6 (relaxed reachability as a logic program).
 
 mod assembly;
+mod beam;
 mod costs;
 pub(crate) use costs::complaint;
 mod duration;
@@ -40,6 +41,9 @@ use crate::task::Task;
 pub struct GroundingLimits<'a> {
     /// Largest number of ground operators.
     pub operators: usize,
+    /// Instantiations that may wait to be examined at a time; more of them make a problem too
+    /// large to be grounded as a whole.
+    pub candidates: usize,
     /// Largest number of disjuncts that one ground condition may split into.
     pub disjuncts: usize,
     /// When to give up.
@@ -52,6 +56,7 @@ impl Default for GroundingLimits<'_> {
     fn default() -> Self {
         Self {
             operators: 5_000_000,
+            candidates: usize::MAX,
             disjuncts: 1_000,
             deadline: None,
             cancel: None,
@@ -104,6 +109,9 @@ pub enum GroundingError {
         /// The limit.
         limit: usize,
     },
+    /// [`GroundingLimits::candidates`] was reached: only a part can be grounded in time.
+    #[error("the problem is too large to be grounded as a whole in time")]
+    TooManyCandidates,
     /// A construct that the reader accepts but the planner does not.
     #[error("{what} is not supported")]
     Unsupported {
@@ -141,9 +149,38 @@ pub fn ground(
     attachments: &dyn Attachments,
     limits: &GroundingLimits<'_>,
 ) -> Result<Task, GroundingError> {
+    ground_with(domain, problem, attachments, limits, None)
+}
+
+/// Grounds a part of a problem: of alike facts only those that the relaxation reaches first are
+/// gone on from, `width` for each object. The task says that it is partial: it proves nothing about
+/// the problem.
+///
+/// # Errors
+/// See [`GroundingError`].
+pub fn ground_partially(
+    domain: &Domain,
+    problem: &Problem,
+    attachments: &dyn Attachments,
+    limits: &GroundingLimits<'_>,
+    width: u32,
+) -> Result<Task, GroundingError> {
+    ground_with(domain, problem, attachments, limits, Some(width))
+}
+
+fn ground_with(
+    domain: &Domain,
+    problem: &Problem,
+    attachments: &dyn Attachments,
+    limits: &GroundingLimits<'_>,
+    width: Option<u32>,
+) -> Result<Task, GroundingError> {
     let world = world::World::new(domain, problem);
     let strata = stratification::strata(domain)?;
-    let reached = reachability::reach(&world, attachments, limits)?;
+    let reached = match width {
+        Some(width) => reachability::reach_partially(&world, attachments, limits, width)?,
+        None => reachability::reach(&world, attachments, limits)?,
+    };
     let stateful = (0..domain.modules.len() as u32)
         .map(ModuleId)
         .any(|module| {
@@ -154,6 +191,7 @@ pub fn ground(
     if !stateful {
         relevance::prune(&mut task);
     }
+    task.partial = width.is_some();
     task.mutex_groups = invariants::synthesise(&task);
     invariants::prune_mutex_conditions(&mut task);
     Ok(task)

@@ -7,9 +7,10 @@
 use rustc_hash::FxHashSet;
 
 use crate::attachment::Attachments;
-use crate::pddl::model::{Condition, Effect, EffectKind, ObjectId, TimedChange};
+use crate::pddl::model::{Condition, Effect, EffectKind, ObjectId, TimedChange, When};
 use crate::task::Duration;
 
+use super::beam::Beam;
 use super::costs::Costs;
 use super::duration::{action_duration, impossible_duration};
 use super::effect_calls::collect_effect_calls;
@@ -75,6 +76,9 @@ impl<'l> Candidates<'l> {
             self.stopped = self.limits.check().err();
         }
         let limit = self.limits.operators;
+        if self.list.len() > self.limits.candidates {
+            self.stopped = Some(GroundingError::TooManyCandidates);
+        }
         if self.list.len() > limit.saturating_mul(Self::PER_OPERATOR) {
             self.stopped = Some(GroundingError::TooManyOperators { limit });
         }
@@ -89,6 +93,7 @@ impl<'l> Candidates<'l> {
 struct Conditional {
     condition: Formula,
     atom: AtomId,
+    label: f32,
 }
 
 struct Exploration<'a, 'b> {
@@ -98,6 +103,7 @@ struct Exploration<'a, 'b> {
     waiting: Vec<(Instance, Formula)>,
     conditional: Vec<Conditional>,
     rules_seen: FxHashSet<(u32, Box<[ObjectId]>)>,
+    beam: Option<Beam>,
 }
 
 /// Runs the fixpoint.
@@ -106,7 +112,7 @@ pub(super) fn reach<'b>(
     attachments: &'b dyn Attachments,
     limits: &GroundingLimits<'_>,
 ) -> Result<Reached<'b>, GroundingError> {
-    let mut exploration = Exploration::new(world, attachments);
+    let mut exploration = Exploration::new(world, attachments, None);
     let mut candidates = Candidates::new(limits);
     exploration.without_changing_conditions(&mut candidates)?;
     let mut head = 0;
@@ -115,7 +121,7 @@ pub(super) fn reach<'b>(
             if head.is_multiple_of(256) {
                 limits.check()?;
             }
-            exploration.join_atom(head, &mut candidates)?;
+            exploration.join_atom(head, head as u32 + 1, &mut candidates)?;
             head += 1;
         }
         if candidates.list.is_empty() && !exploration.wake() {
@@ -133,8 +139,68 @@ pub(super) fn reach<'b>(
     Ok(exploration.found)
 }
 
+/// Runs the fixpoint for a part of the task: of alike atoms only the nearest are joined, `width`
+/// for each object in them. Actions that lead elsewhere are left out.
+pub(super) fn reach_partially<'b>(
+    world: &World<'b>,
+    attachments: &'b dyn Attachments,
+    limits: &GroundingLimits<'_>,
+    width: u32,
+) -> Result<Reached<'b>, GroundingError> {
+    let mut exploration = Exploration::new(world, attachments, Some(Beam::new(width)));
+    let mut candidates = Candidates::new(limits);
+    exploration.without_changing_conditions(&mut candidates)?;
+    let mut sequence = 0;
+    loop {
+        for head in exploration.admit_pending() {
+            sequence += 1;
+            let (predicate, tuple) = &exploration.queue[head];
+            exploration.found.relations[*predicate].set_sequence(tuple, sequence);
+            exploration.join_atom(head, sequence, &mut candidates)?;
+            limits.check()?;
+        }
+        let open = exploration.beam.as_ref().is_some_and(Beam::has_pending);
+        if candidates.list.is_empty() && !open && !exploration.wake() {
+            break;
+        }
+        exploration.admit(std::mem::take(&mut candidates.list), limits)?;
+        exploration.wake();
+        limits.check()?;
+    }
+    let mut found = exploration.found;
+    if let Some(beam) = &exploration.beam {
+        let schemas = &found.schemas;
+        found.instances.retain(|instance| {
+            let schema = &schemas[instance.schema as usize];
+            beam.admits_all(schema, &instance.arguments)
+        });
+    }
+    Ok(found)
+}
+
 impl<'a, 'b> Exploration<'a, 'b> {
-    fn new(world: &'a World<'b>, attachments: &'b dyn Attachments) -> Self {
+    /// The pending atoms that are near enough, nearest first, as positions in the queue.
+    fn admit_pending(&mut self) -> Vec<usize> {
+        let Some(beam) = &mut self.beam else {
+            return Vec::new();
+        };
+        beam.admit(self.world, &self.queue)
+    }
+
+    /// When an instance can start at the earliest in the relaxation [s]; 0 where nobody asks.
+    fn start_label(&self, instance: &Instance) -> f32 {
+        if self.beam.is_none() {
+            return 0.0;
+        }
+        let schema = &self.found.schemas[instance.schema as usize];
+        let labels = schema.join.iter().filter_map(|atom| {
+            let tuple = World::bind(&atom.arguments, &instance.arguments);
+            self.found.relations[atom.predicate.index()].label(&tuple)
+        });
+        labels.fold(0.0, f32::max)
+    }
+
+    fn new(world: &'a World<'b>, attachments: &'b dyn Attachments, beam: Option<Beam>) -> Self {
         let mut schemas = Vec::new();
         for (index, action) in world.domain.actions.iter().enumerate() {
             schemas.push(Schema::of_action(world, index as u32, action));
@@ -160,26 +226,36 @@ impl<'a, 'b> Exploration<'a, 'b> {
             waiting: Vec::new(),
             conditional: Vec::new(),
             rules_seen: FxHashSet::default(),
+            beam,
         };
         for atom in &world.problem.facts {
             let predicate = atom.predicate.index();
             if world.changing_predicate[predicate] {
-                exploration.reach_atom(predicate, atom.arguments.as_slice().into());
+                exploration.reach_atom(predicate, atom.arguments.as_slice().into(), 0.0);
             } else {
                 exploration.found.relations[predicate].insert(&atom.arguments, 0);
             }
         }
         for timed in &world.problem.timed {
             if let TimedChange::Add(atom) = &timed.change {
-                exploration.reach_atom(atom.predicate.index(), atom.arguments.as_slice().into());
+                let arguments = atom.arguments.as_slice().into();
+                let label = timed.time as f32;
+                exploration.reach_atom(atom.predicate.index(), arguments, label);
             }
         }
         exploration
     }
 
-    fn reach_atom(&mut self, predicate: usize, arguments: Box<[ObjectId]>) {
-        let sequence = self.queue.len() as u32 + 1;
-        if self.found.relations[predicate].insert(&arguments, sequence) {
+    fn reach_atom(&mut self, predicate: usize, arguments: Box<[ObjectId]>, label: f32) {
+        let sequence = match self.beam {
+            // Joins see it when it is admitted.
+            Some(_) => u32::MAX,
+            None => self.queue.len() as u32 + 1,
+        };
+        if self.found.relations[predicate].insert_labelled(&arguments, sequence, label) {
+            if let Some(beam) = &mut self.beam {
+                beam.pend(label, self.queue.len());
+            }
             self.queue.push((predicate, arguments));
         }
     }
@@ -205,9 +281,12 @@ impl<'a, 'b> Exploration<'a, 'b> {
         candidates.fault()
     }
 
+    /// Instantiations that the queue's atom at `head` completes; joins see it as the
+    /// `sequence`-th.
     fn join_atom(
         &self,
         head: usize,
+        sequence: u32,
         candidates: &mut Candidates<'_>,
     ) -> Result<(), GroundingError> {
         let (predicate, tuple) = &self.queue[head];
@@ -218,14 +297,21 @@ impl<'a, 'b> Exploration<'a, 'b> {
                 }
                 let trigger = Trigger {
                     position,
-                    sequence: head as u32 + 1,
+                    sequence,
                     tuple,
+                    in_order: self.beam.is_none(),
                 };
                 instantiate(
                     schema,
                     &self.found.relations,
                     Some(trigger),
-                    &mut |arguments| candidates.add(index as u32, arguments),
+                    &mut |arguments| {
+                        let useful = self
+                            .beam
+                            .as_ref()
+                            .is_none_or(|beam| beam.may_admit_all(self.world, schema, arguments));
+                        !useful || candidates.add(index as u32, arguments)
+                    },
                 );
             }
         }
@@ -364,7 +450,7 @@ impl<'a, 'b> Exploration<'a, 'b> {
         for effect in std::mem::take(&mut self.conditional) {
             if self.possible(&effect.condition) {
                 let (predicate, arguments) = self.found.symbols.atoms[effect.atom.index()].clone();
-                self.reach_atom(predicate.index(), arguments);
+                self.reach_atom(predicate.index(), arguments, effect.label);
                 woke = true;
             } else {
                 self.conditional.push(effect);
@@ -374,6 +460,7 @@ impl<'a, 'b> Exploration<'a, 'b> {
     }
 
     fn accept(&mut self, instance: Instance) {
+        let start = self.start_label(&instance);
         let schema = &self.found.schemas[instance.schema as usize];
         match schema.origin {
             Origin::Rule(rule) => {
@@ -381,14 +468,19 @@ impl<'a, 'b> Exploration<'a, 'b> {
                     .rules_seen
                     .insert((instance.schema, instance.arguments.clone()))
                 {
-                    self.reach_atom(rule.predicate.index(), instance.arguments.clone());
+                    self.reach_atom(rule.predicate.index(), instance.arguments.clone(), start);
                     self.found.instances.push(instance);
                 }
             }
             Origin::Action(_, definition) => {
                 let mut bindings = instance.arguments.to_vec();
-                for (_, effect) in &definition.effects {
-                    self.reach_effect(effect, instance.schema, None, &mut bindings);
+                let lasts = match instance.duration {
+                    Some(Duration::Fixed(seconds)) => seconds as f32,
+                    _ => 0.0,
+                };
+                for (when, effect) in &definition.effects {
+                    let label = start + if *when == When::End { lasts } else { 0.0 };
+                    self.reach_effect(effect, instance.schema, None, label, &mut bindings);
                 }
                 self.found.instances.push(instance);
             }
@@ -400,28 +492,29 @@ impl<'a, 'b> Exploration<'a, 'b> {
         effect: &Effect,
         schema: u32,
         guard: Option<&Formula>,
+        label: f32,
         bindings: &mut Vec<ObjectId>,
     ) {
         match &effect.kind {
             EffectKind::And(parts) => {
                 for part in parts {
-                    self.reach_effect(part, schema, guard, bindings);
+                    self.reach_effect(part, schema, guard, label, bindings);
                 }
             }
             EffectKind::Forall(variables, body) => {
                 let world = self.world;
                 for_all_bindings(world, variables, bindings, &mut |bindings| {
-                    self.reach_effect(body, schema, guard, bindings);
+                    self.reach_effect(body, schema, guard, label, bindings);
                 });
             }
             EffectKind::When(condition, body) => {
                 let inner = self.guard(&[condition], schema, guard, bindings);
-                self.reach_effect(body, schema, Some(&inner), bindings);
+                self.reach_effect(body, schema, Some(&inner), label, bindings);
             }
             EffectKind::TimedWhen(conditions, body) => {
                 let conditions: Vec<&Condition> = conditions.iter().map(|(_, c)| c).collect();
                 let inner = self.guard(&conditions, schema, guard, bindings);
-                self.reach_effect(body, schema, Some(&inner), bindings);
+                self.reach_effect(body, schema, Some(&inner), label, bindings);
             }
             EffectKind::Add(atom) => {
                 let arguments = World::bind(&atom.arguments, bindings);
@@ -432,10 +525,11 @@ impl<'a, 'b> Exploration<'a, 'b> {
                             self.conditional.push(Conditional {
                                 condition: formula.clone(),
                                 atom,
+                                label,
                             });
                         }
                     }
-                    _ => self.reach_atom(atom.predicate.index(), arguments),
+                    _ => self.reach_atom(atom.predicate.index(), arguments, label),
                 }
             }
             EffectKind::Delete(_) | EffectKind::Assign(..) | EffectKind::Module(_) => {}

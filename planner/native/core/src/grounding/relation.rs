@@ -10,6 +10,7 @@ pub(super) struct Relation {
     arity: usize,
     arguments: Vec<ObjectId>,
     reached_at: Vec<u32>,
+    labels: Vec<f32>,
     row_of: FxHashMap<Box<[ObjectId]>, u32>,
     postings: Vec<FxHashMap<ObjectId, Vec<u32>>>,
 }
@@ -30,6 +31,16 @@ impl Relation {
 
     /// Adds a tuple with the sequence number of its reaching; false if it was there.
     pub(super) fn insert(&mut self, tuple: &[ObjectId], sequence: u32) -> bool {
+        self.insert_labelled(tuple, sequence, 0.0)
+    }
+
+    /// The same with the time at which it can be reached in the relaxation [s].
+    pub(super) fn insert_labelled(
+        &mut self,
+        tuple: &[ObjectId],
+        sequence: u32,
+        label: f32,
+    ) -> bool {
         if self.row_of.contains_key(tuple) {
             return false;
         }
@@ -37,6 +48,7 @@ impl Relation {
         self.row_of.insert(tuple.into(), row);
         self.arguments.extend_from_slice(tuple);
         self.reached_at.push(sequence);
+        self.labels.push(label);
         for (posting, &object) in self.postings.iter_mut().zip(tuple) {
             posting.entry(object).or_default().push(row);
         }
@@ -53,6 +65,18 @@ impl Relation {
         self.row_of
             .get(tuple)
             .map(|&row| self.reached_at[row as usize])
+    }
+
+    /// Gives a tuple its place in the order in which joins see them.
+    pub(super) fn set_sequence(&mut self, tuple: &[ObjectId], sequence: u32) {
+        if let Some(&row) = self.row_of.get(tuple) {
+            self.reached_at[row as usize] = sequence;
+        }
+    }
+
+    /// The time at which a tuple can be reached in the relaxation [s].
+    pub(super) fn label(&self, tuple: &[ObjectId]) -> Option<f32> {
+        self.row_of.get(tuple).map(|&row| self.labels[row as usize])
     }
 
     /// The arguments of a row.

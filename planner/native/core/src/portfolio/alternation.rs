@@ -15,7 +15,9 @@ use super::{Setting, from_schedule};
 
 /// First turn of the list-schedule search.
 const TURN: Duration = Duration::from_millis(40);
-/// The same in nodes, where those are limited and the clock must not matter.
+/// How long the first list may take.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// A turn in nodes, where those are limited and the clock must not matter.
 const TURN_NODES: u64 = 400;
 /// Part of a turn that the decision-epoch search gets once there is a plan.
 const SHARE: f64 = 0.15;
@@ -70,14 +72,18 @@ pub(super) fn run(
                 .node_limit
                 .map(|limit| turn_nodes.min(limit.saturating_sub(spent)));
             let mut until = setting.deadline();
+            let mut patience = None;
             if setting.options.node_limit.is_none() {
                 let turn_end = Instant::now() + turn_time;
+                let late = Instant::now() + PATIENCE;
+                patience = Some(until.map_or(late, |deadline| deadline.min(late)));
                 until = Some(until.map_or(turn_end, |deadline| deadline.min(turn_end)));
             }
             let first_only = setting.options.first_plan_only;
             let enough = AtomicBool::new(false);
             let limits = Limits {
                 deadline: until,
+                patience,
                 cancel: if first_only {
                     &enough
                 } else {

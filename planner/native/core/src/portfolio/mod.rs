@@ -172,7 +172,7 @@ pub fn run(
         report.outcome = Outcome::ProvenUnsolvable;
         return Ok(());
     }
-    if task.metric.is_none() {
+    if task.metric.is_none() && !task.partial {
         report.lower_bound = bound;
     }
     let mut incumbent = Incumbent::new(task, begun, report, improved);

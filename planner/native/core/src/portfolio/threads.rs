@@ -115,6 +115,7 @@ fn list_thread(
 ) {
     let limits = Limits {
         deadline: None,
+        patience: None,
         cancel: &shared.stop,
         nodes: None,
     };

@@ -55,11 +55,42 @@ pub struct Question<'a> {
     pub restriction: Restriction,
 }
 
+/// Above this many rules their distances are computed when they are asked for.
+const MANY_RULES: usize = 20_000;
+
 /// Lower bounds on the time from a proposition, or from the start of a rule, to a target [s].
 #[derive(Clone, Debug)]
 struct Distances {
     propositions: Vec<f32>,
+    /// Empty if there are too many.
     rules: Vec<f32>,
+}
+
+impl Distances {
+    fn of_rule(&self, propositions: &Propositions, rule: u32) -> f32 {
+        match self.rules.get(rule as usize) {
+            Some(known) => *known,
+            None => through(
+                propositions,
+                &propositions.rules[rule as usize],
+                &self.propositions,
+            ),
+        }
+    }
+}
+
+/// The distance of a rule by the distances of what it adds.
+fn through(propositions: &Propositions, rule: &Rule, distance: &[f32]) -> f32 {
+    let late = propositions.needs(rule).iter().any(|need| need.at_end);
+    let adds = propositions.adds(rule).iter().map(|add| {
+        let lasts = if add.at_end && !late {
+            rule.duration
+        } else {
+            0.0
+        };
+        lasts + distance[add.proposition as usize]
+    });
+    adds.fold(f32::INFINITY, f32::min)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -128,7 +159,12 @@ impl Exploration {
             return;
         }
         let count = propositions.count();
-        let size = count + propositions.rules.len();
+        let kept = if propositions.rules.len() > MANY_RULES {
+            0
+        } else {
+            propositions.rules.len()
+        };
+        let size = count + kept;
         if self.distance_sum + size > DISTANCE_MEMORY {
             self.distances.clear();
             self.distance_sum = 0;
@@ -167,19 +203,14 @@ impl Exploration {
                 }
             }
         }
-        let through = |rule: &Rule| {
-            let late = propositions.needs(rule).iter().any(|need| need.at_end);
-            let adds = propositions.adds(rule).iter().map(|add| {
-                let lasts = if add.at_end && !late {
-                    rule.duration
-                } else {
-                    0.0
-                };
-                lasts + distance[add.proposition as usize]
-            });
-            adds.fold(f32::INFINITY, f32::min)
+        let rules = if propositions.rules.len() > MANY_RULES {
+            Vec::new()
+        } else {
+            let rules = propositions.rules.iter();
+            rules
+                .map(|rule| through(propositions, rule, &distance))
+                .collect()
         };
-        let rules = propositions.rules.iter().map(through).collect();
         self.distance_sum += size;
         self.distances.insert(
             target,
@@ -261,7 +292,7 @@ impl Exploration {
             }
             let value = label.time + labelling.effort * label.cost;
             for rule in propositions.needing.row(proposition) {
-                let ahead = distance.rules[*rule as usize];
+                let ahead = distance.of_rule(propositions, *rule);
                 if ahead < f32::INFINITY && value + weight * ahead < bound {
                     self.fire(question, *rule, distance, &mut bound);
                 }

@@ -25,6 +25,9 @@ const FIRST_CYCLE: u64 = 1_500;
 pub struct Limits<'a> {
     /// When to stop.
     pub deadline: Option<Instant>,
+    /// Until when the first list of all may be finished, if that is later: one that is cut off in
+    /// every turn leads nowhere.
+    pub patience: Option<Instant>,
     /// Set by somebody else to stop.
     pub cancel: &'a AtomicBool,
     /// Largest number of lists to try.
@@ -273,7 +276,14 @@ impl<'t> Optimiser<'t> {
             }
             self.nodes += 1;
             let bound = self.threshold();
-            if self.workshop.construct(self.nodes == 1, bound, &stop) {
+            let first = self.nodes == 1;
+            let patient = || match limits.patience {
+                Some(patience) if first => {
+                    limits.cancel.load(Ordering::Relaxed) || Instant::now() >= patience
+                }
+                _ => stop(),
+            };
+            if self.workshop.construct(first, bound, &patient) {
                 let elements = self.workshop.prune(&mut self.links);
                 self.offer(&elements, on_plan);
             }

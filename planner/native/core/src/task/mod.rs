@@ -81,6 +81,8 @@ pub struct Task {
     /// Whether compiling lost plans: a disjunction that has to hold over an interval was split
     /// into actions of which each keeps one disjunct throughout.
     pub narrowed: bool,
+    /// Whether operators that may be part of a plan were left out, because there are too many.
+    pub partial: bool,
 }
 
 /// The model's ground symbols and what became of them, for attachments that look at states.
