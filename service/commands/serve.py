@@ -108,7 +108,6 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         _refuse(str(error), INPUT_ERROR)
     except Exception as error:
         _refuse(f"the database {db} cannot be opened: {error}", INPUT_ERROR)
-    log_to_stderr(as_json=json_logs)
     if traces_to is not None and find_spec("opentelemetry.exporter") is None:
         _refuse("traces need an exporter: pip install 'marsupial[telemetry]'", USAGE_ERROR)
     settings = Settings(
@@ -126,6 +125,7 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         hopeless_s=hopeless_s,
         traces_to=traces_to,
     )
+    log_to_stderr(as_json=json_logs)
     app = create_app(settings)
     server = DrainingServer(
         uvicorn.Config(

@@ -28,5 +28,6 @@ def test_metrics_count_what_happened(caplog: pytest.LogCaptureFixture) -> None:
     assert float(values[reports]) == team.sequence
     assert float(values["marsupial_missions_open"]) == 0.0
     assert float(values['marsupial_replanning_seconds_count{outcome="new plan"}']) >= 3.0
-    audited = [json.loads(record.message) for record in caplog.records]
+    records = [record for record in caplog.records if record.name == "service.audit"]
+    audited = [json.loads(record.message) for record in records]
     assert [(entry["method"], entry["status"]) for entry in audited] == [("POST", 201)]
