@@ -141,12 +141,14 @@ def _told(whole: Cost | None, parts: Cost, cutting_s: float) -> list[str]:
 
 
 def as_one(hierarchy: MapHierarchy, resolution_m: float) -> OctreeMap:
-    """The occupied voxels of all nodes in one map of the map frame, to look at."""
+    """The occupied voxels of tables and objects in one map of the map frame, to look at."""
     whole = OctreeMap(resolution_m)
     for node in hierarchy.nodes():
+        if node.label == "background":
+            continue
         pose = node.T_map_node
         # A coarse voxel is filled, not dotted.
-        steps = max(1, round(node.map.resolution_m / resolution_m))
+        steps = 1 + int(np.ceil(node.map.resolution_m / resolution_m))
         grid = (np.arange(steps) + 0.5) / steps - 0.5
         offsets = np.stack(np.meshgrid(*[grid] * 3), axis=-1).reshape(-1, 3)
         inside = ([-1.5] * 3, [1.5] * 3)
