@@ -87,8 +87,8 @@ def measure(quick: bool, out: Path) -> str:
     return (
         f"{table(rows)}\n\n{count} views of {sensor.columns} x {sensor.rows} beams, range 2 m; the "
         "table at 10 mm, the background at 50 mm; objects are clusters at 15 mm, as the rows of "
-        "beams are 11 mm apart on faces seen at a slant; one map of everything at the voxel size of "
-        f"the objects, refused above {LIMIT_BYTES / 1e6:.0f} MB.\n\n"
+        "beams are 11 mm apart on faces seen at a slant; one map of everything at the voxel size "
+        f"of the objects, refused above {LIMIT_BYTES / 1e6:.0f} MB.\n\n"
         "![Memory and time of hierarchies](tables.svg)\n\n"
         "![The small objects in the hierarchy](tabletop.png)\n\n"
         f"{_vanishing(sensor, out)}"
