@@ -149,9 +149,7 @@ class LikelihoodField:
         self,
         points_m: NDArray[np.float64],
         guess: tuple[float, float, float],
-        window_m: float,
-        window_rad: float,
-        step_rad: float,
+        window: tuple[float, float, float],
         least_score: float,
     ) -> tuple[tuple[float, float, float], float] | None: ...
 

@@ -49,6 +49,9 @@ class GridFrontEndParameters:
     method: ConsensusMethod = "pcm"
     ransac: RansacParameters = field(default_factory=RansacParameters)
     consistency_gate: float = 11.34
+    systematic: float = 0.04
+    """share of the distance between two nodes by which a graph may be too short or too long:
+    systematic errors are not in its covariances"""
     resolution_m: float = 0.1
     reach_m: float = 15.0
     """parts of beams beyond are not drawn into the map"""
@@ -265,11 +268,22 @@ def _consensus(
         edges,
         poses_a,
         poses_b,
-        relative_spread(_covariance(a, keys_a), poses_a),
-        relative_spread(_covariance(b, keys_b), poses_b),
+        _spread(a, keys_a, poses_a, parameters.systematic),
+        _spread(b, keys_b, poses_b, parameters.systematic),
         gate=parameters.consistency_gate,
     )
     return largest_clique(consistent)
+
+
+def _spread(
+    robot_map: RobotMap, keys: Sequence[int], poses: Poses, systematic: float
+) -> NDArray[np.float64]:
+    """(m, m, 3, 3): covariance of relative poses, with a systematic error of lengths."""
+    spread = relative_spread(_covariance(robot_map, keys), poses)
+    apart = np.linalg.norm(poses[:, None, :2] - poses[None, :, :2], axis=2)
+    spread[..., 0, 0] += (systematic * apart) ** 2
+    spread[..., 1, 1] += (systematic * apart) ** 2
+    return spread
 
 
 def _covariance(robot_map: RobotMap, keys: Sequence[int]) -> NDArray[np.float64]:

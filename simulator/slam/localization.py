@@ -26,7 +26,7 @@ from simulator.slam.range_scan import RangeScan
 class LocalizationParameters:
     """The particle filter and its sensor model."""
 
-    density_m2: float = 8.0
+    density_m2: float = 30.0
     """particles a square metre of free space at the start"""
     most_particles: int = 40_000
     least_particles: int = 400
@@ -36,7 +36,7 @@ class LocalizationParameters:
     """standard deviation of an end point from the nearest wall"""
     stray: float = 0.1
     """share of end points that have nothing to do with the map"""
-    independence: float = 0.2
+    independence: float = 0.12
     """share of the looked up end points that count as independent measurements"""
     kld_error: float = 0.05
     kld_quantile: float = 0.99

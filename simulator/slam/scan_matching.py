@@ -45,7 +45,7 @@ class ScanMatchParameters:
     """standard deviation of a point from its surface"""
     across: float = 0.3
     """sine of the least angle at which a surface tells of a direction"""
-    least_across: int = 6
+    least_across: int = 4
     """so many points have to lie on such surfaces"""
     debias: bool = True
     """whether directions that no surface stands across are left to the odometry"""
@@ -91,7 +91,7 @@ def surfaces(scans: Sequence[tuple[Poses, RangeScan]], spacing_m: float = 0.05) 
     return Surfaces(points, _normals(points, tree), tree)
 
 
-def _normals(points: Points, tree: KDTree, count: int = 14, reach_m: float = 0.35) -> Points:
+def _normals(points: Points, tree: KDTree, count: int = 9, reach_m: float = 0.25) -> Points:
     """(n, 2): normals of lines fitted to the nearest points."""
     count = min(count, len(points))
     found = tree.query(points, count, distance_upper_bound=reach_m)
@@ -142,9 +142,7 @@ def match(
         found = field.match(
             points,
             (float(guess[0]), float(guess[1]), float(guess[2])),
-            window[0],
-            window[1],
-            parameters.step_rad,
+            (window[0], window[1], parameters.step_rad),
             parameters.least_score,
         )
         if found is None:

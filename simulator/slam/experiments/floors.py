@@ -129,22 +129,28 @@ def corridor_floor(
         while x < x1 - 7.0:
             if abs(x - middle) > 6.0:
                 niche = random.uniform(0.8, 1.6)
-                depth = random.uniform(0.15, 0.5)
+                depth = random.uniform(0.3, 1.0)
                 if random.random() < 0.5:
                     canvas.fill((x, high), (x + niche, high + depth), wall=False)
                 else:
                     canvas.fill((x, low - depth), (x + niche, low), wall=False)
-            x += random.uniform(2.0, 6.0)
+            x += random.uniform(2.0, 4.5)
     y = 0.5 * (low + high)
     stops = (
         (middle - 2.0, low - 1.0),
         (middle - 2.0, y),
         (x0 + 2.4, y),
         (x0 + 2.4, high + 0.8),
+        (x0 + 0.8, high + 2.0),
         (x0 + 2.4, y),
+        (x0 + 6.0, y),
+        (x0 + 1.2, y),
         (middle, y),
         (x1 - 2.0, y),
         (x1 - 3.8, low - 1.0),
+        (x1 - 0.6, high + 0.5),
+        (x1 - 6.0, y),
+        (x1 - 1.8, low - 1.8),
         (x1 - 3.8, y),
         (middle, y),
         (middle - 2.0, low - 1.0),

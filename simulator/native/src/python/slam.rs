@@ -75,24 +75,23 @@ impl PyLikelihoodField {
         Ok(scores.into_pyarray(py))
     }
 
-    /// The best pose around a guess and its mean value per point.
+    /// The best pose around a guess and its mean value per point; the window is its reach [m], its
+    /// reach [rad] and the distance of headings [rad].
     #[pyo3(name = "match")]
     fn best_pose(
         &self,
         py: Python<'_>,
         points_m: PyReadonlyArray2<'_, f64>,
         guess: Triple,
-        window_m: f64,
-        window_rad: f64,
-        step_rad: f64,
+        window: Triple,
         least_score: f64,
     ) -> PyResult<Option<(Triple, f64)>> {
         let points = rows::<2>(&points_m, "points_m")?;
         let window = Window {
             guess: [guess.0, guess.1, guess.2],
-            reach_m: window_m,
-            reach_rad: window_rad,
-            step_rad,
+            reach_m: window.0,
+            reach_rad: window.1,
+            step_rad: window.2,
             least_score,
         };
         let found = py.detach(|| self.0.best_pose(&points, &window));
