@@ -53,6 +53,11 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
         "Maps",
         "Build, look at and convert 3D occupancy maps.",
     ),
+    "slam": (
+        "scenarios.commands.slam:app",
+        "Maps",
+        "Map by SLAM, optimise pose graphs, merge robots' maps.",
+    ),
     "vegetation": (
         "scenarios.commands.vegetation:app",
         "Maps",

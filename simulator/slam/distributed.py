@@ -30,9 +30,6 @@ from simulator.slam.pose import Poses, between, compose, inverse
 from simulator.slam.pose_graph import Edge, PoseGraph
 from simulator.slam.robot_map import RobotMap, map_with_known_poses
 
-_ORIGIN = -1
-"""key of the node that stands for the joint frame while a robot's graph is corrected"""
-
 
 class MapExchangeError(RuntimeError):
     """The service refuses a map or cannot be reached; the message says what to do."""
@@ -158,10 +155,9 @@ def locate_in(
                 value = sensor_field.mean_log_likelihood(at[None], points)[0]
                 values.append(float(np.exp(value)))
         if values and float(np.mean(values)) > threshold:
-            information = np.linalg.inv(found.covariance + np.diag([1e-3, 1e-3, 1e-4]))
-            edges.append(
-                InterEdge("", 0, robot_map.robot, keys[k - 1], found.pose, information)
-            )
+            floor = np.diag([1e-3, 1e-3, 1e-4])
+            information = np.asarray(np.linalg.inv(found.covariance + floor), dtype=np.float64)
+            edges.append(InterEdge("", 0, robot_map.robot, keys[k - 1], found.pose, information))
     own = np.array([robot_map.graph.poses[edge.node_b] for edge in edges]).reshape(-1, 3)
     at = np.array([edge.measurement for edge in edges]).reshape(-1, 3)
     motions = compose(at, inverse(own))
@@ -177,17 +173,18 @@ def _corrected(
     graph: PoseGraph, motion: Poses, edges: list[InterEdge], parameters: GridFrontEndParameters
 ) -> tuple[PoseGraph, Poses]:
     """The robot's graph in the joint frame, pulled by its constraints against that frame."""
-    joint = graph.moved(motion)
-    joint = replace(joint, poses={_ORIGIN: np.zeros(3), **joint.poses})
+    # The joint frame is node 0, which the back end holds fast; the robot's nodes move up by one.
+    joint = graph.moved(motion).renumbered(1, 0)
+    joint.poses = {0: np.zeros(3), **joint.poses}
     joint.edges = [
         *joint.edges,
-        *(Edge(_ORIGIN, e.node_b, e.measurement, e.information, "inter") for e in edges),
+        *(Edge(0, e.node_b + 1, e.measurement, e.information, "inter") for e in edges),
     ]
     found = optimise_with_outliers(joint, parameters.back_end).graph
-    poses = {key: pose for key, pose in found.poses.items() if key != _ORIGIN}
+    poses = {key: found.poses[key + 1] for key in graph.poses}
     first = min(poses)
     frame = compose(poses[first], inverse(graph.poses[first]))
-    return replace(found, poses=poses, edges=list(graph.edges)), frame
+    return replace(graph, poses=poses, landmarks=found.landmarks), frame
 
 
 def join(
@@ -196,6 +193,7 @@ def join(
     robot_map: RobotMap,
     random: np.random.Generator,
     parameters: GridFrontEndParameters | None = None,
+    *,
     attempts: int = 5,
 ) -> Joined | None:
     """Adds a robot's map to the joint map: the first robot's frame is the joint one.
@@ -218,9 +216,7 @@ def join(
         joined = locate_in(grid, robot_map, random, parameters)
         if joined is None:
             return None
-        own = map_with_known_poses(
-            [joined.robot_map], parameters.resolution_m, parameters.reach_m
-        )
+        own = map_with_known_poses([joined.robot_map], parameters.resolution_m, parameters.reach_m)
         if exchange.publish(name, overlaid(grid, own), version):
             return joined
     raise MapExchangeError(f"the joint map {name!r} changed {attempts} times while joining it")
@@ -239,12 +235,11 @@ def overlaid(first: OccupancyGrid, second: OccupancyGrid) -> OccupancyGrid:
         np.rint(np.array(grid.origin_m) / resolution_m).astype(int) for grid in (first, second)
     ]
     low = np.minimum(*offsets)
-    high = np.maximum(
-        *(at + np.array(grid.cells.shape[::-1]) for at, grid in zip(offsets, (first, second)))
-    )
+    sizes = [np.array(grid.cells.shape[::-1]) for grid in (first, second)]
+    high = np.maximum(offsets[0] + sizes[0], offsets[1] + sizes[1])
     odds = np.zeros((int(high[1] - low[1]), int(high[0] - low[0])))
     known = np.zeros(odds.shape, dtype=np.bool_)
-    for at, grid in zip(offsets, (first, second)):
+    for at, grid in zip(offsets, (first, second), strict=False):
         rows = slice(int(at[1] - low[1]), int(at[1] - low[1]) + grid.cells.shape[0])
         columns = slice(int(at[0] - low[0]), int(at[0] - low[0]) + grid.cells.shape[1])
         percent = np.clip(grid.cells.astype(np.float64), 2.0, 98.0) / 100.0

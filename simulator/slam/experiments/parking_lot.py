@@ -88,7 +88,7 @@ def run_once(seed: int, robots: int = 3) -> LotRun:
         )
     alignments, wrong = align_all(maps, random, {name: track[0] for name, track in tracks.items()})
     merged = merge(maps, alignments, BackEndParameters(kernel="huber"))
-    return _judged(merged, poles, tracks, odometry, len(alignments), wrong)
+    return _judged(merged, poles, tracks, odometry, accepted=len(alignments), wrong=wrong)
 
 
 def landmark_slam(name: str, scans: object) -> tuple[RobotMap, list[int]]:
@@ -155,6 +155,7 @@ def _judged(
     poles: Points,
     tracks: dict[str, Poses],
     odometry: dict[str, Poses],
+    *,
     accepted: int,
     wrong: int,
 ) -> LotRun:

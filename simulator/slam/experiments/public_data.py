@@ -19,7 +19,7 @@ from simulator.slam.experiments.statistics import table
 from simulator.slam.front_end import build_map
 from simulator.slam.g2o import read_g2o
 from simulator.slam.grid_front_end import GridFrontEndParameters, merge_grid_maps
-from simulator.slam.landmark_alignment import align_landmarks
+from simulator.slam.landmark_alignment import AlignmentParameters, align_landmarks
 from simulator.slam.merging import MergedMap
 from simulator.slam.odometry import OdometryModel
 from simulator.slam.pose import Points, Poses, compose, fit_motion, transform, wrap
@@ -197,7 +197,8 @@ def mrclam(folder: Path, seed: int = 0) -> str:
         for second in range(first + 1, len(robots)):
             (a, _, marks_a), (b, _, marks_b) = robots[first], robots[second]
             one, other = a.graph.landmark_positions(), b.graph.landmark_positions()
-            found = align_landmarks(one, other, random)
+            # The arena is 15 m wide: matches must be nearer than in a park to be no chance.
+            found = align_landmarks(one, other, random, AlignmentParameters(match_m=0.3))
             pairs += 1
             if found is None or not found.accepted:
                 continue

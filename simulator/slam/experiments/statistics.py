@@ -20,7 +20,8 @@ def mean_and_half_width(values: ArrayLike, confidence: float = 0.95) -> tuple[fl
 
 def paired_p(before: ArrayLike, after: ArrayLike) -> float:
     """Two-sided p value of the paired t-test."""
-    return float(stats.ttest_rel(before, after).pvalue)
+    one, other = np.asarray(before, dtype=np.float64), np.asarray(after, dtype=np.float64)
+    return float(stats.ttest_1samp(one - other, 0.0).pvalue)
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

@@ -48,15 +48,17 @@ def run_once(
     random = np.random.default_rng(seed)
     maps: list[RobotMap] = []
     frames: list[Poses] = []
+    """what brings each believed floor to where it truly is"""
     for place, floor in enumerate(floors):
         robot_map, frame = _map_floor(seed, place, floor, rooms, random)
         # What the robot believes after the lift: right, but for the heading.
         believed = compose(frame, np.array([0.0, 0.0, random.normal(0.0, ROTATION_RAD)]))
         robot_map = robot_map.with_graph(robot_map.graph.moved(believed if place else frame))
         maps.append(robot_map)
-        frames.append(between(believed if place else frame, frame))
+        frames.append(compose(frame, inverse(believed if place else frame)))
     parameters = replace(
-        GridFrontEndParameters(sequence=40, stride=6), method=method  # type: ignore[arg-type]
+        GridFrontEndParameters(sequence=40, stride=6),
+        method=method,  # type: ignore[arg-type]
     )
     reference = reference_map(maps[0], parameters)
     alignments: list[Alignment] = []
@@ -65,9 +67,7 @@ def run_once(
         found = align_grid_maps(reference, maps[place], random, parameters)
         if found.alignment is not None:
             alignments.append(found.alignment)
-            # Truth: the floor's map, moved by its frame's error, lies on the first floor's.
-            truth = _true_motion(frames[place], maps[place])
-            away = between(truth, found.alignment.motion)
+            away = between(frames[place], found.alignment.motion)
             wrong += bool(np.hypot(away[0], away[1]) > 1.0 or abs(away[2]) > 0.1)
     joint = merge(maps, alignments, parameters.back_end)
     before = [_errors(m, m, frames[place]) for place, m in enumerate(maps)][1:]
@@ -96,21 +96,8 @@ def _map_floor(
     return robot_map, frame
 
 
-def _true_motion(error: Poses, robot_map: RobotMap) -> Poses:
-    """What brings a believed floor back to where it truly is."""
-    first = robot_map.graph.poses[min(robot_map.graph.poses)]
-    # The floor was mapped in its first node's frame, which was then put at `believed`.
-    true_first = compose(_believed_frame(first), error)
-    return compose(true_first, inverse(first))
-
-
-def _believed_frame(first: Poses) -> Poses:
-    return first
-
-
-def _errors(robot_map: RobotMap, before: RobotMap, error: Poses) -> tuple[float, float]:
+def _errors(robot_map: RobotMap, before: RobotMap, motion: Poses) -> tuple[float, float]:
     """Error of a floor's heading [rad] and of its farthest node [m] against the truth."""
-    motion = _true_motion(error, before)
     keys = sorted(before.graph.poses)
     truth = compose(motion, np.array([before.graph.poses[key] for key in keys]))
     found = np.array([robot_map.graph.poses[key] for key in keys])

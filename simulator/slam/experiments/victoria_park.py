@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from simulator.occupancy_grid import OccupancyGrid
 from simulator.slam.consensus import ConsensusMethod
 from simulator.slam.detector import detect_poles
 from simulator.slam.experiments.drive import Laser, OdometryNoise, Surveyor
@@ -24,7 +25,6 @@ from simulator.slam.landmark_alignment import AlignmentParameters, align_landmar
 from simulator.slam.landmarks import LandmarkMapper
 from simulator.slam.pose import Points, Poses, between, compose, transform
 from simulator.slam.triangles import Triangles, triangulate
-from simulator.occupancy_grid import OccupancyGrid
 
 EXTENT_M, TRUNKS, TRUNK_RADIUS_M = 300.0, 140, 0.25
 SAME_PLACE_M = 1.0
@@ -163,7 +163,7 @@ def report(by_method: dict[str, list[Trial]]) -> str:
     parts = []
     for method, done in by_method.items():
         rows = []
-        for low, high in zip(_GROUPS, _GROUPS[1:], strict=False):
+        for low, high in pairwise(_GROUPS):
             group = [trial for trial in done if low <= trial.shared < high]
             if not group:
                 continue
