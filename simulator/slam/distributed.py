@@ -17,8 +17,7 @@ from dataclasses import dataclass, replace
 import httpx
 import numpy as np
 
-from simulator.mission_request import packed
-from simulator.occupancy_grid import OccupancyGrid
+from simulator.occupancy_grid import OccupancyGrid, packed
 from simulator.slam.back_end import optimise_with_outliers
 from simulator.slam.consensus import InterEdge, ransac_motions
 from simulator.slam.grid_front_end import (
