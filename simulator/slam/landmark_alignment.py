@@ -43,7 +43,7 @@ class AlignmentParameters:
     match_m: float = 0.5
     """landmarks that the final motion brings so near are the same"""
     least_matches: int = 5
-    chance: float = 1e-6
+    chance: float = 1e-8
     """largest expected number of equally good motions between unrelated maps"""
     verified: int = 3
     """best supported motions whose landmarks are counted"""
@@ -111,8 +111,8 @@ def align_landmarks(
     if best is None:
         return None
     count, motion, matches = best
-    chance = chance_of_alignment(
-        first_m, second_m, motion, count=count, match_m=parameters.match_m, tried=len(pairs)
+    chance = _least_chance(
+        first_m, second_m, motion, matches=matches, parameters=parameters, tried=len(pairs)
     )
     accepted = count >= parameters.least_matches and chance < parameters.chance
     return AlignmentFound(motion, matches, chance, accepted, len(pairs))
@@ -198,6 +198,40 @@ def matched_landmarks(
     _, first = np.unique(nearest[order], return_index=True)
     chosen = np.sort(order[first])
     return np.stack([nearest[chosen], chosen], axis=1).astype(np.int64)
+
+
+_SHARPNESS = (1.0, 0.5, 0.25)
+"""shares of the matching distance at which matches are counted"""
+
+
+def _least_chance(
+    first_m: Points,
+    second_m: Points,
+    motion: Poses,
+    *,
+    matches: NDArray[np.int64],
+    parameters: AlignmentParameters,
+    tried: int,
+) -> float:
+    """The chance at the sharpest distance that the matches keep, for all distances looked at.
+
+    Right matches lie nearer than they would have to; matches by chance fill the whole disc.
+    """
+    apart = np.linalg.norm(
+        transform(motion, second_m[matches[:, 1]]) - first_m[matches[:, 0]], axis=1
+    )
+    reaches = [parameters.match_m * share for share in _SHARPNESS]
+    return min(
+        chance_of_alignment(
+            first_m,
+            second_m,
+            motion,
+            count=int(np.count_nonzero(apart <= reach_m)),
+            match_m=reach_m,
+            tried=tried * len(reaches),
+        )
+        for reach_m in reaches
+    )
 
 
 def chance_of_alignment(
