@@ -1,5 +1,6 @@
 """Attachments compiled away: the same plans, judged by unified-planning's validator, too."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from unified_planning.io import PDDLReader
 import planner
 from planner.compile_attachments import compile_attachments
 from planner.s_expressions import parse, write
+from scenarios.map_attachments import map_attachments
 from tests.planner.test_facade import COURIER, EASY, ERRANDS, FILL, FULL, Level, pour
 from tests.planner.test_validator_agreement import theirs
 
@@ -76,11 +78,9 @@ def examples() -> list[ParameterSet]:
 
 @pytest.mark.parametrize("path", examples())
 def test_both_validators_accept_our_plans_of_the_examples(path: Path) -> None:
-    planning = pytest.importorskip("scenarios.commands.planning")
-    tomllib = pytest.importorskip("tomllib")
     expected = tomllib.loads((path.parent / "expect.toml").read_text())[path.stem]
     problem = planner.read_problem(path.parents[1] / "domain.pddl", path)
-    attachments = planning.attachments(problem.domain, problem, path.parent / expected["map"])
+    attachments = map_attachments(problem.domain, problem, path.parent / expected["map"])
     result = planner.solve(
         problem.domain, problem, attachments=attachments, timeout_s=30, first_plan_only=True
     )
