@@ -27,10 +27,10 @@ $(VENV)/.requirements: requirements.lock | tools
 
 $(VENV)/.installed: $(VENV)/.requirements pyproject.toml $(NATIVE)
 	$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
-	$(VENV)/bin/python -m compileall -q planner semantic_attachments domains service simulator scenarios
 	@touch $@
 
 build: $(VENV)/.installed ## create .venv, build the Rust core in release mode, install
+	@$(VENV)/bin/python -m compileall -q planner semantic_attachments domains service simulator scenarios
 
 demo: build ## run the hospital mission and write its report
 	$(VENV)/bin/marsupial demo
