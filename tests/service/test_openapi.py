@@ -1,5 +1,6 @@
 """Whatever a client sends within or beyond the OpenAPI document, no answer is a 5xx."""
 
+import os
 import re
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from in_process import serving
 
 from service.app import create_app
 from service.examples import EXAMPLES
+from service.routes.scans import MEDIA_TYPE
 from service.settings import Settings
 
 
@@ -106,6 +108,12 @@ def test_links_lead_to_operations_with_these_parameters() -> None:
 
 @pytest.mark.slow
 def test_no_request_makes_the_service_fail(tmp_path: Path) -> None:
+    # Scans are bytes of a format of their own.
+    (tmp_path / "hooks.py").write_text(
+        "import schemathesis\n"
+        f"schemathesis.serializer.alias({MEDIA_TYPE!r}, 'application/octet-stream')\n",
+        encoding="utf-8",
+    )
     with listening() as url:
         result = subprocess.run(
             [
@@ -115,6 +123,7 @@ def test_no_request_makes_the_service_fail(tmp_path: Path) -> None:
                 *("--request-timeout", "20"),
             ],
             cwd=tmp_path,
+            env={**os.environ, "SCHEMATHESIS_HOOKS": "hooks", "PYTHONPATH": str(tmp_path)},
             capture_output=True,
             text=True,
             check=False,
