@@ -63,6 +63,10 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
     max_missions: Annotated[
         int, typer.Option(min=1, help="Missions that are open at most; then 429.")
     ] = 1000,
+    scan_maps: Annotated[
+        Path | None,
+        typer.Option(help="Folder in which missions' 3D maps outlive a restart; none are kept."),
+    ] = None,
     give_up_s: Annotated[
         float,
         typer.Option(
@@ -121,6 +125,7 @@ def serve(  # noqa: PLR0917 - options of a command line, never positional
         planning_memory_mb=worker_memory_mb,
         planning_queue=request_queue,
         max_missions=max_missions,
+        scan_maps_folder=scan_maps,
         give_up_s=give_up_s,
         hopeless_s=hopeless_s,
         traces_to=traces_to,

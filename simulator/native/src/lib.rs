@@ -5,6 +5,7 @@ pub mod floor;
 pub mod lattice;
 pub mod occupancy;
 pub mod octree;
+mod open_list;
 pub mod raycast;
 pub mod scene;
 pub mod slam;

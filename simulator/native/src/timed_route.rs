@@ -4,12 +4,12 @@
 //! plan one after the other, each around the motions of those before it, for the next few seconds;
 //! beyond the window the travel distance to the goal counts, as if alone.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::collections::hash_map::{Entry, HashMap};
 
 use crate::floor::{Point, distance};
 use crate::lattice::Lattice;
+use crate::open_list::Open;
 use crate::travel::Distances;
 
 /// Another robot's announced motion: positions every `period_s`, the last one for ever.
@@ -35,29 +35,6 @@ pub struct Window {
 
 /// A position at a time after the start [s].
 pub type TimedPoint = (f64, Point);
-
-#[derive(PartialEq)]
-struct Open {
-    key: f64,
-    state: usize,
-}
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other
-            .key
-            .total_cmp(&self.key)
-            .then(other.state.cmp(&self.state))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
 
 struct State {
     node: usize,
@@ -113,10 +90,10 @@ pub fn timed_route(
     let mut open = BinaryHeap::new();
     open.push(Open {
         key: rest(first),
-        state: 0,
+        id: 0,
     });
     let mut expansions = 0;
-    while let Some(Open { state, .. }) = open.pop() {
+    while let Some(Open { id: state, .. }) = open.pop() {
         let (node, time_s, cost) = (states[state].node, states[state].time_s, states[state].cost);
         if time_s >= window.horizon_s {
             return Some(backtrack(&states, state, lattice, start));
@@ -151,7 +128,7 @@ pub fn timed_route(
             });
             open.push(Open {
                 key: cost + rest(next),
-                state: states.len() - 1,
+                id: states.len() - 1,
             });
         };
         let at_goal = distances.at(node) <= 0.0;

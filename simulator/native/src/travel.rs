@@ -1,10 +1,10 @@
 //! Travel over a lattice: shortest comfortable routes, distances, and places to get out of the way.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use crate::floor::{Point, Segment, distance, nearest_on_segment};
 use crate::lattice::Lattice;
+use crate::open_list::Open;
 
 /// Travel distance to the nearest goal from every node that was looked at.
 pub struct Distances {
@@ -24,30 +24,6 @@ impl Distances {
             values_m: vec![0.0; lattice.len()],
             beyond_m: 0.0,
         }
-    }
-}
-
-/// An open list's entry, the smallest key first, then the smallest node.
-#[derive(PartialEq)]
-struct Open {
-    key: f64,
-    node: usize,
-}
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other
-            .key
-            .total_cmp(&self.key)
-            .then(other.node.cmp(&self.node))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
     }
 }
 
@@ -85,9 +61,9 @@ impl Lattice<'_> {
         costs[first] = 0.0;
         open.push(Open {
             key: remaining(first),
-            node: first,
+            id: first,
         });
-        while let Some(Open { key, node }) = open.pop() {
+        while let Some(Open { key, id: node }) = open.pop() {
             let cost = f64::from(costs[node]);
             if key > cost + remaining(node) + 1e-3 {
                 continue;
@@ -113,7 +89,7 @@ impl Lattice<'_> {
                     parents[neighbour] = node as u32;
                     open.push(Open {
                         key: f64::from(new) + remaining(neighbour),
-                        node: neighbour,
+                        id: neighbour,
                     });
                 }
             });
@@ -156,9 +132,9 @@ impl Lattice<'_> {
         let mut open = BinaryHeap::new();
         for node in starts {
             values_m[node] = 0.0;
-            open.push(Open { key: 0.0, node });
+            open.push(Open { key: 0.0, id: node });
         }
-        while let Some(Open { key, node }) = open.pop() {
+        while let Some(Open { key, id: node }) = open.pop() {
             if key > f64::from(values_m[node]) {
                 continue;
             }
@@ -171,7 +147,7 @@ impl Lattice<'_> {
                     values_m[neighbour] = new;
                     open.push(Open {
                         key: f64::from(new),
-                        node: neighbour,
+                        id: neighbour,
                     });
                 }
             });

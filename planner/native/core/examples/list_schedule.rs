@@ -1,15 +1,13 @@
 //! Optimises one problem in the list-schedule space and prints what it reaches when:
 //! `list_schedule DOMAIN PROBLEM SECONDS|LISTSn SEED [PLAN-FILE]` (`5000n`: that many lists).
 
+mod support;
+
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use planner_core::attachment::NoAttachments;
-use planner_core::grounding::{GroundingLimits, ground};
-use planner_core::pddl::{read_domain, read_problem};
 use planner_core::schedule::{Limits, Optimiser};
-use planner_core::syntax::source::SourceFile;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -17,22 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: list_schedule DOMAIN PROBLEM SECONDS SEED [PLAN-FILE]".into());
     };
     let began = Instant::now();
-    let read = |path: &str| -> Result<SourceFile, Box<dyn Error>> {
-        Ok(SourceFile::new(
-            path.to_owned(),
-            std::fs::read_to_string(path)?,
-        ))
-    };
-    let (domain, diagnostics) = read_domain(&read(domain)?);
-    let domain = domain.ok_or_else(|| format!("{diagnostics:?}"))?;
-    let (problem, diagnostics) = read_problem(&read(problem)?, &domain);
-    let problem = problem.ok_or_else(|| format!("{diagnostics:?}"))?;
-    let task = ground(
-        &domain,
-        &problem,
-        &NoAttachments,
-        &GroundingLimits::default(),
-    )?;
+    let task = support::read_task(domain, problem)?;
     let grounded = began.elapsed();
     let began = Instant::now();
     let Some(mut optimiser) = Optimiser::new(&task, seed.parse()?) else {

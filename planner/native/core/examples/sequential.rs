@@ -1,5 +1,7 @@
 //! First plan of one action after the other: `sequential DOMAIN PROBLEM SECONDS`, for measurements.
 
+mod support;
+
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -11,34 +13,16 @@ use planner_core::epoch::registry::Dominance;
 use planner_core::epoch::search::{Parameters, Search};
 use planner_core::epoch::successors::Successors;
 use planner_core::epoch::transitions::Transitions;
-use planner_core::grounding::{GroundingLimits, ground};
 use planner_core::heuristic::relaxed::RelaxedTask;
 use planner_core::heuristic::relaxed_plan::RelaxedPlan;
-use planner_core::pddl::{read_domain, read_problem};
 use planner_core::sequential::compression::compress;
-use planner_core::syntax::source::SourceFile;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
     let [_, domain, problem, seconds] = arguments.as_slice() else {
         return Err("usage: sequential DOMAIN PROBLEM SECONDS".into());
     };
-    let read = |path: &str| -> Result<SourceFile, Box<dyn Error>> {
-        Ok(SourceFile::new(
-            path.to_owned(),
-            std::fs::read_to_string(path)?,
-        ))
-    };
-    let (domain, diagnostics) = read_domain(&read(domain)?);
-    let domain = domain.ok_or_else(|| format!("{diagnostics:?}"))?;
-    let (problem, diagnostics) = read_problem(&read(problem)?, &domain);
-    let problem = problem.ok_or_else(|| format!("{diagnostics:?}"))?;
-    let task = ground(
-        &domain,
-        &problem,
-        &NoAttachments,
-        &GroundingLimits::default(),
-    )?;
+    let task = support::read_task(domain, problem)?;
     println!("{:?}", analyse(&task));
     let task = compress(&task).ok_or("not compressible")?;
     let compiled = Compiled::new(&task);
