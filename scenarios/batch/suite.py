@@ -16,6 +16,19 @@ class _Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+Teams = tuple[dict[str, Annotated[int, Field(ge=0)]], ...]
+
+
+class Arm(_Section):
+    """More strategies on a part of a map's grid: what is not worth thirty runs a cell."""
+
+    strategies: Annotated[tuple[str, ...], Field(min_length=1)]
+    teams: Teams | None = None
+    """the map's teams if not given"""
+    seeds: Annotated[int, Field(ge=1)] | None = None
+    """the map's seeds if not given"""
+
+
 class MapEntry(_Section):
     """A column of the grid: a scenario, perhaps on other maps or with fewer blockades."""
 
@@ -29,6 +42,14 @@ class MapEntry(_Section):
     blockade_share: Annotated[float, Field(ge=0, le=1)] = 1.0
     figure: str = ""
     """what the picture of this map is called"""
+    strategies: Annotated[tuple[str, ...], Field(min_length=1)] | None = None
+    """the suite's strategies if not given"""
+    teams: Annotated[Teams, Field(min_length=1)] | None = None
+    """the suite's teams if not given"""
+    seeds: Annotated[int, Field(ge=1)] | None = None
+    """the suite's seeds if not given"""
+    arms: tuple[Arm, ...] = ()
+    """strategies that this map is given beside, on fewer teams or seeds"""
 
 
 class Limits(_Section):
@@ -60,12 +81,12 @@ class Suite(_Section):
     name: str
     title: str = ""
     maps: tuple[MapEntry, ...] = Field(min_length=1)
-    teams: tuple[dict[str, Annotated[int, Field(ge=0)]], ...] = Field(min_length=1)
+    teams: Teams = Field(min_length=1)
     strategies: tuple[str, ...] = Field(min_length=1)
     """names of strategies, or of variants"""
     variants: dict[str, Variant] = {}
-    reference: str = ""
-    """strategy that the others are compared with; the last one if not given"""
+    subject: str = ""
+    """strategy that is compared with each of the others; the first one if not given"""
     seeds: Annotated[int, Field(ge=1)] = 30
     """runs a cell, with seeds 1, 2, ...: the same starts for every strategy"""
     planning: PlanningSection | None = None
@@ -73,50 +94,73 @@ class Suite(_Section):
     quick: Quick = Quick()
 
     @model_validator(mode="after")
-    def _reference_is_a_strategy(self) -> Suite:
-        if self.reference and self.reference not in self.strategies:
-            raise ValueError(f"reference {self.reference!r} is none of the strategies")
+    def _subject_is_a_strategy(self) -> Suite:
+        if self.subject and self.subject not in self.all_strategies:
+            raise ValueError(f"subject {self.subject!r} is none of the strategies")
         return self
 
     @property
-    def compared_with(self) -> str:
-        """The strategy that the others are compared with."""
-        return self.reference or self.strategies[-1]
+    def compared(self) -> str:
+        """The strategy that is compared with each of the others."""
+        return self.subject or self.strategies[0]
+
+    @property
+    def all_strategies(self) -> tuple[str, ...]:
+        """Every strategy that some map is given, in the order of the file."""
+        own = [name for entry in self.maps for name in entry.strategies or ()]
+        beside = [name for entry in self.maps for arm in entry.arms for name in arm.strategies]
+        return tuple(dict.fromkeys((*self.strategies, *own, *beside)))
 
     def quickly(self) -> Suite:
         """The quick subset; teams spread over the whole range."""
-        step = max(1, len(self.teams) // self.quick.teams)
-        return self.model_copy(
-            update={
-                "seeds": min(self.seeds, self.quick.seeds),
-                "teams": self.teams[::step][: self.quick.teams],
-                "maps": self.maps[: self.quick.maps],
-            }
+
+        def some(teams: Teams) -> Teams:
+            return teams[:: max(1, len(teams) // self.quick.teams)][: self.quick.teams]
+
+        maps = tuple(
+            entry.model_copy(
+                update={
+                    "seeds": min(entry.seeds or self.seeds, self.quick.seeds),
+                    "teams": some(entry.teams or self.teams),
+                    "arms": tuple(
+                        arm.model_copy(update={"seeds": 1, "teams": arm.teams and arm.teams[:1]})
+                        for arm in entry.arms
+                    ),
+                }
+            )
+            for entry in self.maps[: self.quick.maps]
         )
+        return self.model_copy(update={"maps": maps})
 
     def runs(self) -> list[RunSpec]:
         """Every run; all strategies of a seed stand together, so that an early end leaves pairs."""
-        return [
-            RunSpec(
-                map_name=entry.name,
-                scenario=str(entry.scenario),
-                generator=entry.generator,
-                map_seed=entry.map_seeds[seed % len(entry.map_seeds)] if entry.map_seeds else None,
-                blockade_share=entry.blockade_share,
-                team=tuple(sorted(team.items())),
-                seed=seed,
-                strategy=strategy,
-                coordination=self.variants[strategy].strategy
-                if strategy in self.variants
-                else strategy,
-                blockades_known=strategy in self.variants
-                and self.variants[strategy].blockades_known,
-            )
-            for seed in range(1, self.seeds + 1)
-            for entry in self.maps
-            for team in self.teams
-            for strategy in self.strategies
-        ]
+        made: dict[str, tuple[int, RunSpec]] = {}
+        for entry in self.maps:
+            seeds = entry.seeds or self.seeds
+            teams = entry.teams or self.teams
+            whole = Arm(strategies=entry.strategies or self.strategies)
+            for arm in (whole, *entry.arms):
+                for team in arm.teams or teams:
+                    for seed in range(1, (arm.seeds or seeds) + 1):
+                        for strategy in arm.strategies:
+                            spec = self._spec(entry, team, seed, strategy)
+                            made.setdefault(spec.key, (seed, spec))
+        return [spec for _, spec in sorted(made.values(), key=lambda one: one[0])]
+
+    def _spec(self, entry: MapEntry, team: dict[str, int], seed: int, strategy: str) -> RunSpec:
+        variant = self.variants.get(strategy, Variant(strategy=strategy))
+        return RunSpec(
+            map_name=entry.name,
+            scenario=str(entry.scenario),
+            generator=entry.generator,
+            map_seed=entry.map_seeds[seed % len(entry.map_seeds)] if entry.map_seeds else None,
+            blockade_share=entry.blockade_share,
+            team=tuple(sorted(team.items())),
+            seed=seed,
+            strategy=strategy,
+            coordination=variant.strategy,
+            blockades_known=variant.blockades_known,
+        )
 
 
 @dataclass(frozen=True)
