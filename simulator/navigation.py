@@ -13,6 +13,7 @@ from simulator._core import Floor
 from simulator.fleet_scenario import MARGIN_M, HiddenBlockade, Point, RobotType
 from simulator.occupancy_grid import OccupancyGrid
 from simulator.robot import Robot
+from simulator.segment_geometry import nearest_on_segment, segment_distance
 
 COMFORT_M = 0.2
 """distance that they keep where a small detour allows it"""
@@ -81,7 +82,7 @@ class Navigation:
             all(floor.leg_is_clear(*a, *b, reach) for a, b in legs)
             and not self.is_blocked(points, reach)
             and not any(
-                _segment_distance((disc[:2], disc[:2]), leg) < reach + disc[2]
+                segment_distance((disc[:2], disc[:2]), leg) < reach + disc[2]
                 for disc in self.standing_but(robot)
                 for leg in legs
             )
@@ -90,7 +91,7 @@ class Navigation:
     def is_blocked(self, points: list[Point], reach_m: float) -> bool:
         """Whether a polyline comes as near as that to a known blockade."""
         return any(
-            _segment_distance(blockade.segment_m, leg) < reach_m
+            segment_distance(blockade.segment_m, leg) < reach_m
             for leg in itertools.pairwise(points)
             for blockade in self.known.values()
         )
@@ -154,32 +155,3 @@ def _advance(route: list[Point], leg: int, along: Point, ahead_m: float) -> Poin
         ahead_m -= length
         at = end
     return route[-1]
-
-
-def nearest_on_segment(position: Point, segment: tuple[Point, Point]) -> Point:
-    """The segment's point that is nearest to a position."""
-    (ax, ay), (bx, by) = segment
-    dx, dy = bx - ax, by - ay
-    squared = dx * dx + dy * dy
-    if squared == 0.0:
-        return segment[0]
-    ratio = max(0.0, min(1.0, ((position[0] - ax) * dx + (position[1] - ay) * dy) / squared))
-    return (ax + ratio * dx, ay + ratio * dy)
-
-
-def _segment_distance(first: tuple[Point, Point], second: tuple[Point, Point]) -> float:
-    """Distance between two segments, zero where they cross [m]."""
-
-    def side(segment: tuple[Point, Point], p: Point) -> float:
-        (ax, ay), (bx, by) = segment
-        return (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)
-
-    if (
-        side(first, second[0]) * side(first, second[1]) < 0
-        and side(second, first[0]) * side(second, first[1]) < 0
-    ):
-        return 0.0
-    return min(
-        *(math.dist(p, nearest_on_segment(p, second)) for p in first),
-        *(math.dist(p, nearest_on_segment(p, first)) for p in second),
-    )

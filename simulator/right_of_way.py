@@ -10,7 +10,7 @@ way. Robots that are not on a course of collision just follow their routes.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,16 +48,19 @@ class _Before:
     """The robots before one in the order: what they will do and how far to keep away."""
 
     robots: tuple[Robot, ...]
-    motions: NDArray[np.float64]
-    """(robots, times, 2)"""
-    apart_m: NDArray[np.float64]
-    """(robots,) between the centres"""
+    apart_m: tuple[float, ...]
+    """between the centres"""
+    motion_of: Callable[[Robot], NDArray[np.float64]]
+    """what one of them will do, (times, 2)"""
 
     def held(self, periods: int) -> _Before:
         """The same robots, each standing where it is for so long before it goes on."""
-        standing = np.repeat(self.motions[:, :1], periods, axis=1)
-        late = np.concatenate([standing, self.motions[:, :-periods]], axis=1)
-        return _Before(self.robots, late, self.apart_m)
+
+        def late(robot: Robot) -> NDArray[np.float64]:
+            motion = self.motion_of(robot)
+            return np.concatenate([np.repeat(motion[:1], periods, axis=0), motion[:-periods]])
+
+        return _Before(self.robots, self.apart_m, late)
 
 
 class RightOfWay:
@@ -92,22 +95,29 @@ class RightOfWay:
     def _negotiate(self, robots: Sequence[Robot], time_s: float) -> list[tuple[Robot, str]]:
         present = [robot for robot in robots if not robot.is_aboard]
         order = sorted(range(len(present)), key=lambda i: (self._priority(present[i], time_s), i))
-        decided = np.empty((len(present), len(self._times), 2))
+        decided: dict[str, NDArray[np.float64]] = {}
+
+        def motion_of(robot: Robot) -> NDArray[np.float64]:
+            # Asked for after its turn only, when nothing changes it any more.
+            if robot.id not in decided:
+                decided[robot.id] = self.announced(robot, time_s)
+            return decided[robot.id]
+
         stuck: list[tuple[Robot, str]] = []
         for place, i in enumerate(order):
             robot = present[i]
             earlier = tuple(present[k] for k in order[:place])
-            gaps = [o.kind.radius_m + robot.kind.radius_m + self.settings.apart_m for o in earlier]
-            before = _Before(earlier, decided[:place], np.array(gaps))
-            opponent = self._first_met(self.announced(robot, time_s), before)
-            if not robot.is_immovable(time_s):
-                if opponent is None:
-                    self._relieve(robot, before, time_s)
-                elif not self._get_clear(robot, before, self._goals(robot, present), time_s):
-                    robot.timed = [(time_s, robot.x, robot.y)]
-                    if robot.id not in self._front:
-                        stuck.append((robot, opponent.id))
-            decided[place] = self.announced(robot, time_s)
+            gaps = (o.kind.radius_m + robot.kind.radius_m + self.settings.apart_m for o in earlier)
+            before = _Before(earlier, tuple(gaps), motion_of)
+            if robot.is_immovable(time_s):
+                continue
+            opponent = self._first_met(robot, before, time_s)
+            if opponent is None:
+                self._relieve(robot, before, time_s)
+            elif not self._get_clear(robot, before, self._goals(robot, present), time_s):
+                robot.timed = [(time_s, robot.x, robot.y)]
+                if robot.id not in self._front:
+                    stuck.append((robot, opponent.id))
         return stuck
 
     def _priority(self, robot: Robot, time_s: float) -> tuple[float, float, float]:
@@ -136,18 +146,33 @@ class RightOfWay:
         at = self._times * robot.kind.speed_m_s
         return np.stack([np.interp(at, travelled, points[:, k]) for k in (0, 1)], axis=1)
 
-    def _first_met(self, motion: NDArray[np.float64], before: _Before) -> Robot | None:
-        """The robot that the motion meets first, if it meets one."""
-        if not before.robots:
+    def _first_met(self, robot: Robot, before: _Before, time_s: float) -> Robot | None:
+        """The robot that the announced motion meets first, if it meets one."""
+        close = [
+            (other, apart_m)
+            for other, apart_m in zip(before.robots, before.apart_m, strict=True)
+            if self._may_meet(robot, other, apart_m)
+        ]
+        if not close:
             return None
-        gaps = np.linalg.norm(before.motions[:, : self._looked] - motion[: self._looked], axis=2)
+        motion = self.announced(robot, time_s)[: self._looked]
+        others = np.array([before.motion_of(other)[: self._looked] for other, _ in close])
+        gaps = np.linalg.norm(others - motion, axis=2)
         # Whoever is too near already meets only by coming nearer.
-        near = np.minimum(0.9 * before.apart_m, gaps[:, 0] - 0.02)
+        near = np.minimum(0.9 * np.array([apart_m for _, apart_m in close]), gaps[:, 0] - 0.02)
         meeting = gaps < near[:, None]
         if not meeting.any():
             return None
         first = np.where(meeting.any(axis=1), meeting.argmax(axis=1), self._looked)
-        return before.robots[int(first.argmin())]
+        return close[int(first.argmin())][0]
+
+    def _may_meet(self, robot: Robot, other: Robot, apart_m: float) -> bool:
+        """False for robots whose routes cannot bring them together within the look-ahead."""
+        if robot.timed or other.timed:
+            return True
+        together_m_s = robot.kind.speed_m_s + other.kind.speed_m_s
+        reach_m = apart_m + self.settings.look_ahead_s * together_m_s
+        return math.dist(robot.position, other.position) <= reach_m
 
     def _relieve(self, robot: Robot, before: _Before, time_s: float) -> None:
         """Back to a plain route once that meets nobody any more."""
@@ -161,7 +186,7 @@ class RightOfWay:
         route = self.navigation.route(robot, robot.goals)
         if route is not None:
             robot.follow(route)
-            if self._first_met(self.announced(robot, time_s), before) is not None:
+            if self._first_met(robot, before, time_s) is not None:
                 robot.timed = kept
 
     def _goals(self, robot: Robot, others: Sequence[Robot]) -> list[Point]:
@@ -199,9 +224,10 @@ class RightOfWay:
     def _give_way(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
         """Plans a motion around those before; False if there is none."""
         self.plans += 1
+        motions_before = [before.motion_of(other) for other in before.robots]
         motions = [
-            ([(float(x), float(y)) for x, y in motion], float(gap))
-            for motion, gap in zip(before.motions, before.apart_m, strict=True)
+            ([(float(x), float(y)) for x, y in motion], gap)
+            for motion, gap in zip(motions_before, before.apart_m, strict=True)
             if math.dist(motion[0], robot.position) < self.settings.near_m
         ]
         plan = self.navigation.floor(robot.kind).timed_route(

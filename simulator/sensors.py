@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from simulator._core import Floor
 from simulator.fleet_scenario import HiddenBlockade
-from simulator.navigation import nearest_on_segment
 from simulator.robot import Robot
+from simulator.segment_geometry import nearest_on_segment
 
 
 @dataclass(frozen=True, slots=True)

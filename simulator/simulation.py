@@ -193,20 +193,20 @@ class Simulation:
     def _sense(self, everyone: bool = False) -> None:
         """Laser sweeps, spread over the steps of the scan period."""
         present = [robot for robot in self.robots.values() if not robot.is_aboard]
-        blockades = self.world.blockades()
         news = False
         for offset, robot in enumerate(present):
             if robot.has_failed:
                 continue
             if not (everyone or self.clock.every(self.scenario.scan_period_s, offset)):
                 continue
-            scan = self.range_finder.scan(robot, present, blockades, self.clock.time_s, self.random)
+            near = self.world.blockades_near(robot.position, robot.kind.sensor_range_m)
+            scan = self.range_finder.scan(robot, present, near, self.clock.time_s, self.random)
             if self.sensed_map is not None:
                 mates = [(r.x, r.y, r.kind.radius_m) for r in present if r is not robot]
                 self.sensed_map.insert(scan, mates)
             for name in scan.blockades:
                 if name not in self._sensed:
-                    self._note_sensed(next(b for b in blockades if b.id == name))
+                    self._note_sensed(next(b for b in near if b.id == name))
                     news = True
         if news:
             self.execution.reconsider(self.clock.time_s)

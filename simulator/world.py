@@ -6,17 +6,22 @@ walls and out of one another, and counts every touch. A robot that drives well i
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from simulator.fleet_scenario import HiddenBlockade, Pose, ScenarioError, Segment
+from simulator.fleet_scenario import HiddenBlockade, Point, Pose, ScenarioError, Segment
 from simulator.occupancy_grid import OccupancyGrid
+from simulator.segment_geometry import nearest_on_segment
 
 _ROBOT, _WALL, _BLOCKADE = 1, 2, 3
 _BLOCKADE_HALF_WIDTH_M = 0.02
+_SQUARE_M = 2.0
+_LONGEST_STEP_M = 1.0
+"""nobody moves that far in a step"""
 
 
 @dataclass(slots=True)
@@ -40,13 +45,12 @@ class World:
         self._space.collision_slop = 1e-4
         self._bodies: dict[str, pymunk.Body] = {}
         self._blockades: dict[str, tuple[HiddenBlockade, pymunk.Segment]] = {}
-        self._segments = np.zeros((0, 4))
+        self._near: dict[tuple[int, int, float], tuple[HiddenBlockade, ...]] = {}
         for segment in wall_segments(grid.walls(), grid.resolution_m, grid.origin_m):
             self._add_static(segment, 0.0, _WALL)
         for blockade in blockades:
             shape = self._add_static(blockade.segment_m, _BLOCKADE_HALF_WIDTH_M, _BLOCKADE)
             self._blockades[blockade.id] = (blockade, shape)
-        self._index_blockades()
         for other, name in ((_WALL, "wall"), (_ROBOT, "robot"), (_BLOCKADE, "blockade")):
             self._space.on_collision(_ROBOT, other, begin=self._count, data=name)
 
@@ -60,10 +64,6 @@ class World:
         shape.friction = 0.0
         self._space.add(shape)
         return shape
-
-    def _index_blockades(self) -> None:
-        quads = [(*b.segment_m[0], *b.segment_m[1]) for b, _ in self._blockades.values()]
-        self._segments = np.array(quads, dtype=np.float64).reshape(-1, 4)
 
     def place(self, robot: str, radius_m: float, pose: Pose) -> None:
         """Puts a robot's body into the building.
@@ -103,14 +103,16 @@ class World:
 
     def step(self, step_s: float) -> None:
         """Moves everything on; counts touches and crossings."""
-        before = self._positions()
+        before = {
+            body: (tuple(body.position), near)
+            for body in self._bodies.values()
+            if (near := self.blockades_near(body.position, _LONGEST_STEP_M))
+        }
         self._space.step(step_s)
-        if len(before) and len(self._segments):
-            self.contacts.crossings += crossings(before, self._positions(), self._segments)
-
-    def _positions(self) -> NDArray[np.float64]:
-        at = [tuple(body.position) for body in self._bodies.values()]
-        return np.array(at, dtype=np.float64).reshape(-1, 2)
+        for body, (start, near) in before.items():
+            segments = np.array([(*b.segment_m[0], *b.segment_m[1]) for b in near])
+            moved = np.array([[start], [tuple(body.position)]], dtype=np.float64)
+            self.contacts.crossings += crossings(moved[0], moved[1], segments)
 
     def pose(self, robot: str) -> Pose:
         """Where a robot truly is."""
@@ -122,12 +124,29 @@ class World:
         """Those that stand."""
         return tuple(blockade for blockade, _ in self._blockades.values())
 
+    def blockades_near(self, position_m: Point, within_m: float) -> tuple[HiddenBlockade, ...]:
+        """Those that stand, without most of the ones that are further away than that.
+
+        Nothing nearer is left out. Kept by squares of the floor, as robots ask in every step.
+        """
+        column, row = int(position_m[0] // _SQUARE_M), int(position_m[1] // _SQUARE_M)
+        key = (column, row, within_m)
+        if key not in self._near:
+            centre = ((column + 0.5) * _SQUARE_M, (row + 0.5) * _SQUARE_M)
+            reach_m = within_m + _SQUARE_M  # more than from the centre to a corner
+            self._near[key] = tuple(
+                blockade
+                for blockade in self.blockades()
+                if math.dist(centre, nearest_on_segment(centre, blockade.segment_m)) < reach_m
+            )
+        return self._near[key]
+
     def clear(self, blockade: str) -> None:
         """Removes a blockade; nothing happens if it is gone already."""
         if blockade in self._blockades:
             _, shape = self._blockades.pop(blockade)
             self._space.remove(shape)
-            self._index_blockades()
+            self._near = {}
 
 
 def wall_segments(
