@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from simulator.fleet_scenario import Point
+from simulator.fleet_scenario import Point, Segment
 
 
-def nearest_on_segment(position: Point, segment: tuple[Point, Point]) -> Point:
+def nearest_on_segment(position: Point, segment: Segment) -> Point:
     """The segment's point that is nearest to a position."""
     (ax, ay), (bx, by) = segment
     dx, dy = bx - ax, by - ay
@@ -18,19 +18,24 @@ def nearest_on_segment(position: Point, segment: tuple[Point, Point]) -> Point:
     return (ax + ratio * dx, ay + ratio * dy)
 
 
-def segment_distance(first: tuple[Point, Point], second: tuple[Point, Point]) -> float:
+def cross(first: Segment, second: Segment) -> bool:
+    """Whether two segments cross, each ending on both sides of the other."""
+    return (
+        _side(first, second[0]) * _side(first, second[1]) < 0
+        and _side(second, first[0]) * _side(second, first[1]) < 0
+    )
+
+
+def segment_distance(first: Segment, second: Segment) -> float:
     """Distance between two segments, zero where they cross [m]."""
-
-    def side(segment: tuple[Point, Point], p: Point) -> float:
-        (ax, ay), (bx, by) = segment
-        return (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)
-
-    if (
-        side(first, second[0]) * side(first, second[1]) < 0
-        and side(second, first[0]) * side(second, first[1]) < 0
-    ):
+    if cross(first, second):
         return 0.0
     return min(
         *(math.dist(p, nearest_on_segment(p, second)) for p in first),
         *(math.dist(p, nearest_on_segment(p, first)) for p in second),
     )
+
+
+def _side(segment: Segment, p: Point) -> float:
+    (ax, ay), (bx, by) = segment
+    return (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)

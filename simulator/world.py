@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from simulator.fleet_scenario import HiddenBlockade, Point, Pose, ScenarioError, Segment
 from simulator.occupancy_grid import OccupancyGrid
-from simulator.segment_geometry import nearest_on_segment
+from simulator.segment_geometry import cross, nearest_on_segment
 
 _ROBOT, _WALL, _BLOCKADE = 1, 2, 3
 _BLOCKADE_HALF_WIDTH_M = 0.02
@@ -103,16 +103,15 @@ class World:
 
     def step(self, step_s: float) -> None:
         """Moves everything on; counts touches and crossings."""
-        before = {
-            body: (tuple(body.position), near)
+        near = [
+            (body, body.position, blockades)
             for body in self._bodies.values()
-            if (near := self.blockades_near(body.position, _LONGEST_STEP_M))
-        }
+            if (blockades := self.blockades_near(body.position, _LONGEST_STEP_M))
+        ]
         self._space.step(step_s)
-        for body, (start, near) in before.items():
-            segments = np.array([(*b.segment_m[0], *b.segment_m[1]) for b in near])
-            moved = np.array([[start], [tuple(body.position)]], dtype=np.float64)
-            self.contacts.crossings += crossings(moved[0], moved[1], segments)
+        for body, before, blockades in near:
+            move = (before, body.position)
+            self.contacts.crossings += sum(cross(move, b.segment_m) for b in blockades)
 
     def pose(self, robot: str) -> Pose:
         """Where a robot truly is."""
@@ -174,20 +173,3 @@ def _runs(edges: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
     lines, starts = np.nonzero(change == 1)
     _, ends = np.nonzero(change == -1)
     return list(zip(lines.tolist(), starts.tolist(), ends.tolist(), strict=True))
-
-
-def crossings(
-    before: NDArray[np.float64], after: NDArray[np.float64], segments: NDArray[np.float64]
-) -> int:
-    """How many of the moves (robots, 2) -> (robots, 2) cross one of the segments (n, 4)."""
-    a, b = segments[None, :, :2], segments[None, :, 2:]
-    p, q = before[:, None, :], after[:, None, :]
-
-    def side(
-        o: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        u, v = u - o, v - o
-        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
-
-    apart = (side(a, b, p) * side(a, b, q) < 0) & (side(p, q, a) * side(p, q, b) < 0)
-    return int(apart.sum())

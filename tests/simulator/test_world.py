@@ -1,3 +1,4 @@
+import math
 from pathlib import Path
 
 import numpy as np
@@ -5,7 +6,8 @@ import pytest
 
 from simulator.fleet_scenario import HiddenBlockade, ScenarioError
 from simulator.occupancy_grid import read_map_server
-from simulator.world import World, crossings, wall_segments
+from simulator.segment_geometry import nearest_on_segment
+from simulator.world import World, wall_segments
 from tests.simulator.floors import TWO_ROOMS, write_floor
 
 
@@ -61,8 +63,21 @@ def test_the_outline_of_a_square_is_four_segments() -> None:
     assert ((14.0, 1.0), (14.0, 4.0)) in inner
 
 
-def test_a_crossing_is_a_move_through_a_segment() -> None:
-    segment = np.array([[1.0, -1.0, 1.0, 1.0]])
-    before = np.array([[0.0, 0.0], [0.0, 2.0], [0.0, 0.0]])
-    after = np.array([[2.0, 0.0], [2.0, 2.0], [0.9, 0.0]])
-    assert crossings(before, after, segment) == 1
+def test_blockades_near_leaves_out_none_within_reach(tmp_path: Path) -> None:
+    grid = read_map_server(write_floor(tmp_path, TWO_ROOMS))
+    random = np.random.default_rng(3)
+    ends = random.uniform(0.0, 40.0, (60, 2, 2))
+    blockades = tuple(
+        HiddenBlockade(f"b{k}", ((a[0], a[1]), (b[0], b[1])), 1.0) for k, (a, b) in enumerate(ends)
+    )
+    world = World(grid, blockades)
+    for x, y in random.uniform(0.0, 40.0, (200, 2)):
+        reached = {
+            b.id
+            for b in world.blockades()
+            if math.dist((x, y), nearest_on_segment((x, y), b.segment_m)) <= 3.0
+        }
+        assert reached <= {b.id for b in world.blockades_near((x, y), 3.0)}
+    gone = next(iter(reached))
+    world.clear(gone)
+    assert gone not in {b.id for b in world.blockades_near((x, y), 3.0)}
