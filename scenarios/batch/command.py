@@ -7,8 +7,9 @@ import time
 from pathlib import Path
 
 from scenarios.batch.execution import execute, rows
+from scenarios.batch.findings import findings
 from scenarios.batch.ray_runs import on_ray
-from scenarios.batch.results import findings, markdown, write
+from scenarios.batch.results import markdown, write
 from scenarios.batch.run_process import run_in_process
 from scenarios.batch.suite import read_suite
 from scenarios.exit_codes import CommandError

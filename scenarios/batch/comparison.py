@@ -1,4 +1,4 @@
-"""Compares two strategies over paired runs: same map, same team, same seed.
+"""Compares two strategies by a measure over paired runs: same map, same team, same seed.
 
 Paired t-test and Wilcoxon's signed-rank test, Holm's correction over the teams of a map, Cohen's d
 of the differences with its interval (Hedges and Olkin 1985, large-sample variance), wins and
@@ -9,7 +9,7 @@ effect: the overall interval is that of the mean over placements.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Any
@@ -19,6 +19,28 @@ from scipy import stats
 
 Row = dict[str, Any]
 LEVEL = 0.95
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What runs are compared by."""
+
+    name: str
+    unit: str
+    of: Callable[[Row], float | None]
+    """None for a run that does not have it"""
+    less_is_better: bool = True
+
+
+def _quality(row: Row) -> float | None:
+    area_m2, distance_m = row.get("area_m2"), row.get("distance_m")
+    return area_m2 / distance_m if area_m2 and distance_m else None
+
+
+MISSION_TIME = Measure("mission time", "s", lambda row: row["duration_s"])
+EXPLORATION_QUALITY = Measure("exploration quality", "m²/m", _quality, less_is_better=False)
+"""Area that the team came to know for each metre that it drove (thesis, equation 3.1, printed there
+the other way up)."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +54,9 @@ class Interval:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How a strategy's mission time compares with the reference's."""
+    """How a strategy compares with a reference."""
 
+    measure: Measure
     map: str
     team: str
     strategy: str
@@ -42,10 +65,10 @@ class Comparison:
     failures: int
     """runs of the strategy that did not complete"""
     reference_failures: int
-    time_s: Interval
-    reference_time_s: Interval
-    faster: Interval
-    """share of the reference's mean time that is saved; negative if slower"""
+    value: Interval
+    reference_value: Interval
+    gain: Interval
+    """by how much it is better, as a share of the reference's mean; negative if worse"""
     t_test_p: float
     wilcoxon_p: float
     holm_p: float
@@ -95,11 +118,13 @@ def effect_size(differences: Sequence[float]) -> Interval:
     return Interval(d, d - half, d + half)
 
 
-def compare(rows: Sequence[Row], strategy: str, reference: str) -> list[Comparison]:
+def compare(
+    rows: Sequence[Row], strategy: str, reference: str, measure: Measure = MISSION_TIME
+) -> list[Comparison]:
     """One comparison for each map and team, Holm-corrected over the teams of a map."""
     found: dict[str, list[Comparison]] = defaultdict(list)
     for (map_name, team), cell in sorted(cells(rows).items()):
-        made = _compare_cell(map_name, team, cell, strategy, reference)
+        made = _compare_cell((map_name, team), cell, strategy, reference, measure)
         if made is not None:
             found[map_name].append(made)
     result: list[Comparison] = []
@@ -140,30 +165,34 @@ def pairs(cell: Sequence[Row], strategy: str, reference: str) -> list[tuple[Row,
 
 
 def _compare_cell(
-    map_name: str, team: str, cell: Sequence[Row], strategy: str, reference: str
+    where: tuple[str, str], cell: Sequence[Row], strategy: str, reference: str, measure: Measure
 ) -> Comparison | None:
-    paired = pairs(cell, strategy, reference)
-    if not paired:
+    values = [
+        (a, b)
+        for own, other in pairs(cell, strategy, reference)
+        if (a := measure.of(own)) is not None and (b := measure.of(other)) is not None
+    ]
+    if not values:
         return None
-    own = np.array([a["duration_s"] for a, _ in paired])
-    other = np.array([b["duration_s"] for _, b in paired])
-    saved = other - own
+    own, other = np.array(values, float).T
+    saved = other - own if measure.less_is_better else own - other
     interval = mean_interval(saved.tolist())
     scale = float(other.mean())
     differ = len(saved) > 1 and float(saved.std()) > 0.0
     t_test_p = float(stats.ttest_rel(own, other).pvalue) if differ else 1.0
     wilcoxon_p = float(stats.wilcoxon(saved).pvalue) if differ else 1.0
     return Comparison(
-        map=map_name,
-        team=team,
+        measure=measure,
+        map=where[0],
+        team=where[1],
         strategy=strategy,
         reference=reference,
-        pairs=len(paired),
+        pairs=len(values),
         failures=_failures(cell, strategy),
         reference_failures=_failures(cell, reference),
-        time_s=mean_interval(own.tolist()),
-        reference_time_s=mean_interval(other.tolist()),
-        faster=Interval(interval.mean / scale, interval.low / scale, interval.high / scale),
+        value=mean_interval(own.tolist()),
+        reference_value=mean_interval(other.tolist()),
+        gain=Interval(interval.mean / scale, interval.low / scale, interval.high / scale),
         t_test_p=t_test_p,
         wilcoxon_p=wilcoxon_p,
         holm_p=t_test_p,

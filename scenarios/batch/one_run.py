@@ -10,6 +10,7 @@ from typing import Any
 
 from scenarios.batch.suite import RunSpec
 from scenarios.composition import Composition, compose
+from scenarios.maps.floor_plan import FREE
 from scenarios.mission import RunOptions, run
 from scenarios.mission_record import MissionRecord
 from scenarios.scenario_file import read_scenario
@@ -74,6 +75,10 @@ def row_of_run(spec: RunSpec, planning: dict[str, Any] | None) -> Row:
         options = RunOptions(seed=spec.seed, strategy=spec.coordination, headless=True)
         record = run(composition, options, lambda _: None)
     row = row_of(record)
+    if record.known_share is not None:
+        row["known_share"] = round(record.known_share, 4)
+        free_m2 = float((composition.cells == FREE).sum()) * composition.resolution_m**2
+        row["area_m2"] = round(record.known_share * free_m2, 1)
     row["cpu_s"] = round(time.process_time() - begin_s, 3)
     row["peak_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, 1)
     return row

@@ -1,58 +1,32 @@
-"""Writes what a suite found: `runs.csv`, `comparisons.csv`, `report.html`, `report.md`."""
+"""Writes what a suite found: `runs.csv`, `comparisons.csv`, `report.html`, `report.md`, figures."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
 from math import isnan
 from pathlib import Path
 
-from scenarios.batch.comparison import (
-    Comparison,
-    Interval,
-    Row,
-    cells,
-    compare,
-    mean_interval,
-    over_placements,
-)
+from scenarios.batch.comparison import Comparison, Interval, Measure, Row
 from scenarios.batch.figure import Series, bars
-from scenarios.batch.suite import MapEntry, Suite
+from scenarios.batch.findings import CONDITIONS, COUNTS, NOT_ACCEPTED, Findings
+from scenarios.batch.suite import MapEntry
 
-COUNTS: dict[str, Callable[[Row], int]] = {
-    "not completed": lambda row: row["status"] != "completed",
-    "stuck": lambda row: row["status"] == "stuck",
-    "out of time": lambda row: row["status"] == "out of time",
-    "crashed or killed": lambda row: row["status"] in ("crashed", "killed"),
-    "wall collisions": lambda row: row.get("wall_collisions", 0),
-    "robot contacts": lambda row: row.get("robot_collisions", 0),
-    "blockade crossings": lambda row: row.get("blockade_crossings", 0),
-}
-"""what has to be zero, and how a row tells"""
-
-
-@dataclass(frozen=True)
-class Findings:
-    """Everything that the report shows."""
-
-    suite: Suite
-    rows: list[Row]
-    comparisons: list[Comparison]
-
-
-def findings(suite: Suite, rows: Sequence[Row]) -> Findings:
-    """Compares every strategy with the reference."""
-    reference = suite.compared_with
-    comparisons = [
-        comparison
-        for strategy in suite.strategies
-        if strategy != reference
-        for comparison in compare(rows, strategy, reference)
-    ]
-    return Findings(suite, list(rows), comparisons)
+COLUMNS = (
+    "team",
+    "against",
+    "its mean",
+    "the other's",
+    "better by",
+    "p (t, Holm)",
+    "p (Wilcoxon)",
+    "effect d",
+    "won / lost",
+    "pairs",
+    "not completed",
+)
 
 
 def write(found: Findings, folder: Path) -> Path:
@@ -68,36 +42,32 @@ def write(found: Findings, folder: Path) -> Path:
 
 def markdown(found: Findings) -> str:
     """Tables in Markdown."""
-    lines = [f"# {found.suite.title or found.suite.name}", "", _provenance(found), ""]
-    lines += [
-        "| map | team | strategy | mission time [s] | reference [s] | faster | p (t, Holm) "
-        "| p (Wilcoxon) | effect d | won / lost | pairs |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for c in found.comparisons:
-        mark = " **" if c.significant else ""
-        lines.append(
-            f"| {c.map} | {c.team} | {c.strategy} | {c.time_s.mean:.0f} "
-            f"| {c.reference}: {c.reference_time_s.mean:.0f} "
-            f"| {mark}{percent(c.faster)}{mark.strip()} | {c.holm_p:.2g} | {c.wilcoxon_p:.2g} "
-            f"| {c.effect.mean:.2f} ({c.effect.low:.2f} to {c.effect.high:.2f}) "
-            f"| {c.wins} / {c.losses} | {c.pairs} |"
-        )
-    lines += ["", "| map | strategy | faster over all teams and placements |", "|---|---|---|"]
-    for entry, strategy, saved in _overall(found):
-        lines.append(f"| {entry.name} | {strategy} | {percent(saved)} |")
-    names = list(COUNTS)
-    lines += ["", f"| strategy | runs | {' | '.join(names)} |", "|---" * (len(names) + 2) + "|"]
-    for strategy, runs, counts in _counts(found):
-        lines.append(f"| {strategy} | {runs} | {' | '.join(map(str, counts))} |")
-    return "\n".join(lines) + "\n"
+    lines = [f"# {found.suite.title or found.suite.name}", "", found.provenance(), ""]
+    lines += [_explanation(found), ""]
+    for entry in found.suite.maps:
+        for measure in found.measures(entry):
+            compared = found.of(entry, measure)
+            if compared:
+                lines += [f"## {_heading(entry, measure)}", "", *_table(COLUMNS, compared), ""]
+    for title, names, rows in _summaries(found):
+        lines += [f"## {title}", "", f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
+        lines += [*(f"| {' | '.join(row)} |" for row in rows), ""]
+    return "\n".join(lines)
 
 
 def page(found: Findings) -> str:
     """The self-contained HTML report."""
     room = files("scenarios.report")
     style = room.joinpath("style.css").read_text(encoding="utf-8")
-    figures = "".join(_figure(found, entry) for entry in found.suite.maps)
+    sections = "".join(
+        _section(found, entry, measure)
+        for entry in found.suite.maps
+        for measure in found.measures(entry)
+    )
+    sections += "".join(
+        f"<section><h2>{escape(title)}</h2>{_html_table(names, rows)}</section>"
+        for title, names, rows in _summaries(found)
+    )
     name = escape(found.suite.title or found.suite.name)
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
@@ -107,13 +77,9 @@ def page(found: Findings) -> str:
 <style>
 {style}</style></head>
 <body><main>
-<header><h1>{name}</h1><p>{escape(_provenance(found))}</p></header>
-{figures}
-<section><h2>Comparisons</h2>{_comparison_table(found)}
-<p class="note">Paired over equal map, team and seed, completed runs only. p: paired t-test with
-Holm's correction over the teams of a map; d: Cohen's d of the differences. Intervals: 95 %.</p>
-</section>
-<section><h2>What has to be zero</h2>{_count_table(found)}</section>
+<header><h1>{name}</h1><p>{escape(found.provenance())}</p>
+<p class="note">{escape(_explanation(found))}</p></header>
+{sections}
 </main></body></html>
 """
 
@@ -125,122 +91,98 @@ def percent(share: Interval) -> str:
     return f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f})"
 
 
-def _figure(found: Findings, entry: MapEntry) -> str:
-    grouped = {team: cell for (name, team), cell in cells(found.rows).items() if name == entry.name}
-    order = [t for t in _teams(found.suite) if t in grouped]
+def _explanation(found: Findings) -> str:
+    return (
+        f"{found.suite.compared} against each other strategy, paired over equal map, team and "
+        "seed, completed runs only. p: paired t-test with Holm's correction over the teams of a "
+        "map (* below 5 %), and Wilcoxon's signed-rank test; d: Cohen's d of the differences. "
+        "Intervals: 95 %."
+    )
+
+
+def _heading(entry: MapEntry, measure: Measure) -> str:
+    name = f"{entry.name}: {entry.figure}" if entry.figure else entry.name
+    return f"{name}, {measure.name} [{measure.unit}]"
+
+
+def _summaries(found: Findings) -> Iterable[tuple[str, tuple[str, ...], list[list[str]]]]:
+    yield (
+        f"Time that {found.suite.compared} saves over all teams",
+        ("map", "against", "placements as a random effect"),
+        [[entry.name, other, percent(saved)] for entry, other, saved in found.overall()],
+    )
+    yield (
+        "How the missions went (means)",
+        ("map", "strategy", *CONDITIONS),
+        [
+            [entry.name, strategy, *map(_number, values)]
+            for entry, strategy, values in found.conditions()
+        ],
+    )
+    yield (
+        "What has to be zero",
+        ("strategy", "runs", *COUNTS, NOT_ACCEPTED),
+        [
+            [strategy, str(runs), *("" if count is None else str(count) for count in counts)]
+            for strategy, runs, counts in found.counts()
+        ],
+    )
+
+
+def _number(value: float | None) -> str:
+    if value is None:
+        return ""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def _cells(c: Comparison) -> list[str]:
+    digits = 0 if c.measure.less_is_better else 2
+    return [
+        c.team,
+        c.reference,
+        f"{c.value.mean:.{digits}f}",
+        f"{c.reference_value.mean:.{digits}f}",
+        percent(c.gain),
+        f"{c.holm_p:.2g}{' *' if c.significant else ''}",
+        f"{c.wilcoxon_p:.2g}",
+        f"{c.effect.mean:.2f} ({c.effect.low:.2f} to {c.effect.high:.2f})",
+        f"{c.wins} / {c.losses}",
+        str(c.pairs),
+        f"{c.failures} / {c.reference_failures}",
+    ]
+
+
+def _table(names: Sequence[str], compared: Sequence[Comparison]) -> list[str]:
+    lines = [f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
+    return lines + [f"| {' | '.join(_cells(c))} |" for c in compared]
+
+
+def _html_table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    head = "".join(f"<th>{escape(name)}</th>" for name in names)
+    body = "".join(
+        f"<tr>{''.join(f'<td>{escape(text)}</td>' for text in row)}</tr>" for row in rows
+    )
+    return f'<div class="scroll"><table><tr>{head}</tr>{body}</table></div>'
+
+
+def _section(found: Findings, entry: MapEntry, measure: Measure) -> str:
+    strategies = found.strategies(entry)
+    values = found.values(entry, measure, strategies)
     series = [
-        Series(strategy, tuple(_time(grouped[team], strategy) for team in order))
-        for strategy in found.suite.strategies
+        Series(strategy, tuple(of_team[k] for of_team in values.values()))
+        for k, strategy in enumerate(strategies)
     ]
     legend = "".join(
         f'<li><i class="key line robot-{k % 8}"></i>{escape(one.name)}</li>'
         for k, one in enumerate(series)
     )
-    overall = "".join(
-        f"<p>{escape(strategy)} against {escape(found.suite.compared_with)} over all teams, time "
-        f"saved, placements as a random effect: {percent(saved)}.</p>"
-        for map_entry, strategy, saved in _overall(found)
-        if map_entry.name == entry.name
-    )
-    heading = escape(f"{entry.name}: {entry.figure}" if entry.figure else entry.name)
-    chart = bars(order, series, "mission time [s]")
-    return f'<section><h2>{heading}</h2>{chart}<ul class="legend">{legend}</ul>{overall}</section>'
-
-
-def _teams(suite: Suite) -> list[str]:
-    return list(dict.fromkeys(spec.team_name for spec in suite.runs()))
-
-
-def _time(cell: Sequence[Row], strategy: str) -> Interval | None:
-    times = [
-        row["duration_s"]
-        for row in cell
-        if row["strategy"] == strategy and row["status"] == "completed"
-    ]
-    return mean_interval(times) if times else None
-
-
-def _overall(found: Findings) -> list[tuple[MapEntry, str, Interval]]:
-    reference = found.suite.compared_with
-    return [
-        (entry, strategy, over_placements(found.rows, entry.name, strategy, reference))
-        for entry in found.suite.maps
-        for strategy in found.suite.strategies
-        if strategy != reference and any(row["map"] == entry.name for row in found.rows)
-    ]
-
-
-def _counts(found: Findings) -> list[tuple[str, int, list[int]]]:
-    result = []
-    for strategy in found.suite.strategies:
-        own = [row for row in found.rows if row["strategy"] == strategy]
-        counts = [sum(int(tell(row)) for row in own) for tell in COUNTS.values()]
-        result.append((strategy, len(own), counts))
-    return result
-
-
-def _provenance(found: Findings) -> str:
-    done, wanted = len(found.rows), len(found.suite.runs())
-    if not found.rows:
-        return f"0 of {wanted} runs."
-    revisions = ", ".join(sorted({str(row["revision"]) for row in found.rows}))
-    first = found.rows[0]
-    computed_h = sum(row.get("cpu_s", 0.0) for row in found.rows) / 3600
+    chart = bars(list(values), series, f"{measure.name} [{measure.unit}]")
+    compared = found.of(entry, measure)
+    table = _html_table(COLUMNS, (_cells(c) for c in compared)) if compared else ""
     return (
-        f"{done} of {wanted} runs, {computed_h:.1f} CPU hours; revision {revisions}, marsupial "
-        f"{first['version']}, Python {first['python']}, numpy {first['numpy']}, "
-        f"pymunk {first['pymunk']}."
+        f"<section><h2>{escape(_heading(entry, measure))}</h2>{chart}"
+        f'<ul class="legend">{legend}</ul>{table}</section>'
     )
-
-
-def _comparison_table(found: Findings) -> str:
-    body = "".join(
-        "<tr>"
-        + "".join(
-            f"<td>{escape(text)}</td>"
-            for text in (
-                c.map,
-                c.team,
-                c.strategy,
-                f"{c.time_s.mean:.0f} s",
-                f"{c.reference_time_s.mean:.0f} s",
-                percent(c.faster),
-                f"{c.holm_p:.2g}{' *' if c.significant else ''}",
-                f"{c.wilcoxon_p:.2g}",
-                f"{c.effect.mean:.2f} ({c.effect.low:.2f} to {c.effect.high:.2f})",
-                f"{c.wins} / {c.losses}",
-                f"{c.failures} / {c.reference_failures}",
-            )
-        )
-        + "</tr>"
-        for c in found.comparisons
-    )
-    names = (
-        "map",
-        "team",
-        "strategy",
-        "time",
-        "reference",
-        "faster",
-        "p Holm",
-        "p Wilcoxon",
-        "d",
-        "won / lost",
-        "failed",
-    )
-    head = "".join(f"<th>{name}</th>" for name in names)
-    return f'<div class="scroll"><table><tr>{head}</tr>{body}</table></div>'
-
-
-def _count_table(found: Findings) -> str:
-    head = "".join(f"<th>{escape(name)}</th>" for name in ("strategy", "runs", *COUNTS))
-    body = "".join(
-        f"<tr><td>{escape(strategy)}</td><td>{runs}</td>"
-        + "".join(f"<td>{count}</td>" for count in counts)
-        + "</tr>"
-        for strategy, runs, counts in _counts(found)
-    )
-    return f'<div class="scroll"><table><tr>{head}</tr>{body}</table></div>'
 
 
 def _write_runs(rows: Sequence[Row], path: Path) -> None:
@@ -264,16 +206,17 @@ def _write_parquet(rows: Sequence[Row], path: Path) -> None:
 def _write_comparisons(comparisons: Sequence[Comparison], path: Path) -> None:
     rows: list[Row] = [
         {
+            "measure": c.measure.name,
             "map": c.map,
             "team": c.team,
             "strategy": c.strategy,
             "reference": c.reference,
             "pairs": c.pairs,
-            "time_s": c.time_s.mean,
-            "reference_time_s": c.reference_time_s.mean,
-            "faster": c.faster.mean,
-            "faster_low": c.faster.low,
-            "faster_high": c.faster.high,
+            "mean": c.value.mean,
+            "reference_mean": c.reference_value.mean,
+            "gain": c.gain.mean,
+            "gain_low": c.gain.low,
+            "gain_high": c.gain.high,
             "t_test_p": c.t_test_p,
             "wilcoxon_p": c.wilcoxon_p,
             "holm_p": c.holm_p,

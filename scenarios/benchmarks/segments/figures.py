@@ -19,8 +19,8 @@ def improvement_figure(title: str, comparisons: Sequence[Comparison]) -> str:
     """
     teams = sorted({c.team for c in comparisons}, key=_robots)
     arms = list(dict.fromkeys(c.strategy for c in comparisons))
-    low = min(0.0, *(100 * c.faster.low for c in comparisons))
-    high = max(0.0, *(100 * c.faster.high for c in comparisons))
+    low = min(0.0, *(100 * c.gain.low for c in comparisons))
+    high = max(0.0, *(100 * c.gain.high for c in comparisons))
     step = next(s for s in (2, 5, 10, 20, 50, 100) if (high - low) / s <= 8)
     bottom, top = step * (low // step), step * -(-high // step)
 
@@ -51,7 +51,7 @@ def improvement_figure(title: str, comparisons: Sequence[Comparison]) -> str:
     for comparison in comparisons:
         colour = COLOURS[arms.index(comparison.strategy) % len(COLOURS)]
         at = x(comparison.team, comparison.strategy)
-        share = comparison.faster
+        share = comparison.gain
         drawn.append(
             element(
                 "line",

@@ -74,13 +74,13 @@ def _table(comparisons: Sequence[Comparison], rows: Sequence[Row]) -> list[str]:
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for c in comparisons:
-        share = c.faster
+        share = c.gain
         driven = np.mean(
             [r["driven_m"] for r in rows if r["team"] == c.team and r["strategy"] == c.strategy]
         )
         lines.append(
-            f"| {c.team} | {c.strategy} | {c.pairs} | {c.reference_time_s.mean:.0f} "
-            f"| {c.time_s.mean:.0f} | {100 * share.mean:+.1f} % "
+            f"| {c.team} | {c.strategy} | {c.pairs} | {c.reference_value.mean:.0f} "
+            f"| {c.value.mean:.0f} | {100 * share.mean:+.1f} % "
             f"({100 * share.low:+.1f} to {100 * share.high:+.1f}) | {c.t_test_p:.2g} "
             f"| {c.holm_p:.2g}{' *' if c.significant else ''} | {c.wins} : {c.losses} "
             f"| {driven:.0f} m |"

@@ -53,7 +53,7 @@ def test_a_clear_difference_is_significant_and_counted() -> None:
         base = 300 + 80 * random.random()
         rows += [row("planner", seed, base), row("hungarian", seed, base * 1.25)]
     (found,) = compare(rows, "planner", "hungarian")
-    assert found.faster.mean == pytest.approx(0.2)
+    assert found.gain.mean == pytest.approx(0.2)
     assert found.significant
     assert (found.wins, found.losses, found.pairs) == (30, 0, 30)
 
@@ -67,7 +67,7 @@ def test_no_difference_is_not_significant() -> None:
     ]
     (found,) = compare(rows, "planner", "hungarian")
     assert not found.significant
-    assert found.faster.low < 0 < found.faster.high
+    assert found.gain.low < 0 < found.gain.high
 
 
 def test_only_completed_pairs_count_and_failures_are_told() -> None:

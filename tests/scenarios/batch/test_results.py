@@ -6,7 +6,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from scenarios.batch.comparison import Row
-from scenarios.batch.results import findings, markdown, page, write
+from scenarios.batch.findings import findings
+from scenarios.batch.results import markdown, page, write
 from scenarios.batch.suite import MapEntry, Suite
 
 SUITE = Suite(
@@ -77,4 +78,4 @@ def test_files_hold_every_row(tmp_path: Path) -> None:
         "1 explorer + 1 clearer",
         "2 explorer + 1 clearer",
     ]
-    assert float(compared[0]["faster"]) > 0.2
+    assert float(compared[0]["gain"]) > 0.2
