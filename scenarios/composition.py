@@ -19,6 +19,7 @@ from scenarios.maps.placement import place
 from scenarios.maps.starts import draw_starts
 from scenarios.scenario_file import BlockadeSection, ScenarioFile, TargetSection
 from simulator.fleet_scenario import (
+    Communication,
     Failure,
     FleetScenario,
     HiddenBlockade,
@@ -79,6 +80,11 @@ def compose(
         time_limit_s=scenario.time_limit_s,
         report_period_s=scenario.report_period_s,
         noise=Noise(**scenario.noise.model_dump()),
+        communication=(
+            None
+            if scenario.communication is None
+            else Communication(**scenario.communication.model_dump())
+        ),
         failures=tuple(Failure(**failure.model_dump()) for failure in scenario.failures),
     )
     return Composition(

@@ -116,6 +116,16 @@ class NoiseSection(_Section):
     laser_range_m: Annotated[float, Field(ge=0)] = 0.0
 
 
+class CommunicationSection(_Section):
+    """How far the radios of the robots and of the service reach."""
+
+    range_m: Annotated[float, Field(gt=0)]
+    base_m: Position | None = None
+    """where the service's radio stands; where the first robot starts if it is left out"""
+    lease_s: Annotated[float, Field(gt=0)] = 600.0
+    """for how long the service reckons with a robot that it does not hear"""
+
+
 class FailureSection(_Section):
     """A robot that dies, or stands still for `duration_s`, at `time_s`."""
 
@@ -149,6 +159,8 @@ class ScenarioFile(_Section):
     """whether the building is unknown; a generated one is then without targets and blockades"""
     planning: PlanningSection = PlanningSection()
     noise: NoiseSection = NoiseSection()
+    communication: CommunicationSection | None = None
+    """radios reach everywhere if it is left out"""
     failures: tuple[FailureSection, ...] = ()
 
     @model_validator(mode="after")

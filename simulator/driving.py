@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import bisect
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from simulator.fleet_scenario import Point
-from simulator.navigation import Navigation
+from simulator.knowledge import Knowledge
 from simulator.robot import Robot, steer
 from simulator.segment_geometry import nearest_on_segment
 from simulator.world import World
@@ -33,9 +33,10 @@ _AHEAD_S = 0.5
 class Driving:
     """Drives all robots of a world for one step at a time."""
 
-    def __init__(self, world: World, navigation: Navigation) -> None:
+    def __init__(self, world: World, known: Mapping[str, Knowledge]) -> None:
         self.world = world
-        self.navigation = navigation
+        self.known = known
+        """by robot"""
 
     def drive(self, robots: Sequence[Robot], time_s: float, step_s: float) -> None:
         """Sets every body's velocity; brakes are ideal, so a safe next position is enough."""
@@ -74,13 +75,13 @@ class Driving:
             return self._timed_carrot(robot, time_s)
         if len(robot.route) < 2:
             return None
-        towards, left_m = self.navigation.carrot(robot)
+        towards, left_m = self.known[robot.id].navigation.carrot(robot)
         return (towards, 5.0 * left_m) if left_m > 0.03 else None
 
     def _timed_carrot(self, robot: Robot, time_s: float) -> tuple[Point, float] | None:
         plan = robot.timed
         last = bisect.bisect_right(plan, time_s + _AHEAD_S, key=lambda p: p[0]) - 1
-        floor, radius_m = self.navigation.floor(robot.kind), robot.kind.radius_m
+        floor, radius_m = self.known[robot.id].navigation.floor(robot.kind), robot.kind.radius_m
         points = [(x, y) for _, x, y in plan[max(last - 12, 0) : max(last, 0) + 1]]
         reachable = (
             point
@@ -99,7 +100,10 @@ class Driving:
 
     def _away_from_walls(self, robot: Robot, far_m: float = 0.1) -> Point | None:
         """The roomiest place close by, for a robot whose guard lets it go no nearer to a wall."""
-        floor, limit_m = self.navigation.floor(robot.kind), robot.kind.radius_m + far_m
+        floor, limit_m = (
+            self.known[robot.id].navigation.floor(robot.kind),
+            robot.kind.radius_m + far_m,
+        )
         angles = [k * math.tau / 16 for k in range(16)]
         around = [
             (robot.x + far_m * math.cos(angle), robot.y + far_m * math.sin(angle))
@@ -156,7 +160,7 @@ class Driving:
         self, robot: Robot, after: Point, near: Sequence[Robot], ahead: dict[str, Point]
     ) -> bool:
         radius_m = robot.kind.radius_m
-        floor = self.navigation.floor(robot.kind)
+        floor = self.known[robot.id].navigation.floor(robot.kind)
         limit_m = radius_m + _WALL_GAP_M
         room = floor.clearance(*after, limit_m)
         if room < limit_m and room < floor.clearance(*robot.position, limit_m):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from simulator.docking import may_dock, meeting_goals, place_beside
 from simulator.fleet_client import Command
 from simulator.fleet_scenario import FleetScenario, Point
+from simulator.knowledge import Ending, Knowledge
 from simulator.navigation import REACH_M, Navigation
 from simulator.robot import Robot
 from simulator.world import World
@@ -43,38 +44,35 @@ class Execution:
         self,
         scenario: FleetScenario,
         world: World,
-        navigation: Navigation,
+        known: Mapping[str, Knowledge],
         robots: Mapping[str, Robot],
     ) -> None:
         self.scenario = scenario
         self.world = world
-        self.navigation = navigation
+        self.known = known
+        """by robot; what there is to report goes there"""
         self.robots = robots
-        self.finished: list[dict[str, str]] = []
-        self.failed: list[dict[str, str]] = []
         self.actions: list[ExecutedAction] = []
         self.visited: dict[str, float] = {}
         """target -> time of its first visit [s]"""
-        self.started_busy = False
-        """somebody began what cannot be interrupted, since this was last reset"""
         self._places: dict[str, Point] = {t.id: t.position_m for t in scenario.targets}
 
     # --- orders ---
 
-    def assign(self, commands: Iterable[Command], time_s: float) -> None:
-        """Takes over the commands of an answer; one with the same id just goes on."""
-        ordered = set()
-        for command in commands:
-            robot = self.robots.get(command.robot)
-            if robot is None:
+    def assign(self, names: Collection[str], time_s: float) -> None:
+        """Has robots obey the newest orders they know of; one with the same command goes on.
+
+        Args:
+            names: robots that know the same.
+            time_s: now.
+        """
+        known = next((self.known[name].orders for name in names), {})
+        for name, order in known.items():
+            robot, command = self.robots[name], order.command
+            if name not in names or robot.has_failed or robot.is_busy:
                 continue
-            ordered.add(robot.id)
-            same = robot.command is not None and robot.command.id == command.id
-            if not same and not robot.has_failed and not robot.is_busy:
+            if command is None or robot.command is None or robot.command.id != command.id:
                 self._replace(robot, command, time_s)
-        for robot in self.robots.values():
-            if robot.id not in ordered and not robot.is_busy and not robot.has_failed:
-                self._replace(robot, None, time_s)
 
     def _replace(self, robot: Robot, command: Command | None, time_s: float) -> None:
         if not robot.command_over:
@@ -99,10 +97,11 @@ class Execution:
             return
         robot.activity = "driving"
         ends_there = bool(command.path_m) and command.path_m[-1] in robot.goals
-        if ends_there and self.navigation.accepts(robot, command.path_m):
+        navigation = self._navigation(robot)
+        if ends_there and navigation.accepts(robot, command.path_m):
             robot.follow([robot.position, *command.path_m[1:]])
             return
-        route = self.navigation.route(robot, robot.goals)
+        route = navigation.route(robot, robot.goals)
         if route is None:
             robot.route, robot.timed = [], []
             if robot.waits_since_s is None:
@@ -110,16 +109,20 @@ class Execution:
         else:
             robot.follow(route)
 
+    def _navigation(self, robot: Robot) -> Navigation:
+        return self.known[robot.id].navigation
+
     def _goals(self, robot: Robot, command: Command) -> list[Point]:
+        navigation = self._navigation(robot)
         partner = self.robots.get(command.partner or "")
         if command.kind in ("dock", "undock") and partner is not None:
-            goals = meeting_goals(robot, partner, command, self.navigation)
+            goals = meeting_goals(robot, partner, command, navigation)
             return goals or [robot.position]
-        blockade = self.navigation.known.get(command.location or "")
+        blockade = navigation.known.get(command.location or "")
         if blockade is not None:
-            if self.navigation.reaches(robot, blockade):
+            if navigation.reaches(robot, blockade):
                 return [robot.position]
-            return self.navigation.approaches(robot, blockade)
+            return navigation.approaches(robot, blockade)
         if command.path_m:
             return [command.path_m[-1]]
         if command.location in self._places:
@@ -140,16 +143,17 @@ class Execution:
                 self._proceed(robot, robot.command, time_s)
 
     def _proceed(self, robot: Robot, command: Command, time_s: float) -> None:
-        blockade = self.navigation.known.get(command.location or "")
+        navigation = self._navigation(robot)
+        blockade = navigation.known.get(command.location or "")
         match command.kind:
             case "clear":
                 if blockade is None:
-                    if any(b.id == command.location for b in self.world.blockades()):
-                        self._give_up(robot, time_s, f"{command.location} has not been sensed")
-                    else:
+                    if command.location in self.known[robot.id].cleared:
                         self._finish(robot, time_s)
+                    else:
+                        self._give_up(robot, time_s, f"{command.location} has not been sensed")
                     return
-                if self.navigation.reaches(robot, blockade):
+                if navigation.reaches(robot, blockade):
                     self._begin_busy(robot, "clearing", time_s, time_s + blockade.clear_duration_s)
                     return
             case "dock" | "undock":
@@ -174,9 +178,10 @@ class Execution:
             self._give_up(robot, time_s, "it cannot get on")
 
     def _has_arrived(self, robot: Robot, command: Command) -> bool:
-        blockade = self.navigation.known.get(command.location or "")
+        navigation = self._navigation(robot)
+        blockade = navigation.known.get(command.location or "")
         if blockade is not None:
-            return self.navigation.reaches(robot, blockade)
+            return navigation.reaches(robot, blockade)
         # A meeting point may lie so close to terrain the body must not touch that it cannot stand
         # on it; whoever cannot get closer and reaches it from there has arrived.
         halts = command.kind != "explore" and robot.stalled_s > _HALTED_S
@@ -194,7 +199,7 @@ class Execution:
         if docks == (rover.carrier == carrier.id):
             self._finish(robot, time_s)
             return True
-        if docks and not may_dock(carrier, rover, self.robots.values(), self.navigation):
+        if docks and not may_dock(carrier, rover, self.robots.values(), self._navigation(robot)):
             return False
         if not docks and (
             carrier.is_busy or (carrier is robot and not self._has_arrived(robot, command))
@@ -214,7 +219,7 @@ class Execution:
     def _begin_busy(self, robot: Robot, activity: str, time_s: float, until_s: float) -> None:
         robot.stop()
         robot.activity, robot.busy_until_s = activity, until_s
-        self.started_busy = True
+        self.known[robot.id].began_work = True
         if activity == "clearing":
             self._log(robot, time_s, "finished", kind="drive")
             robot.began_s = time_s
@@ -224,10 +229,8 @@ class Execution:
         robot.activity, robot.busy_until_s = "idle", math.inf
         if activity == "clearing" and command is not None and command.location is not None:
             self.world.clear(command.location)
-            self.navigation.known.pop(command.location, None)
-            for other in self.robots.values():
-                if other.waits_since_s is not None:
-                    self.aim(other, time_s)
+            self.known[robot.id].see_gone(command.location)
+            self.look_again(robot, time_s)
         elif (
             activity in ("docking", "undocking")
             and not robot.kind.capacity
@@ -252,7 +255,9 @@ class Execution:
             rover.carrier, rover.activity = carrier.id, "docked"
             return True
         assert rover.carrier is not None
-        place = place_beside(rover, self.robots[rover.carrier], self.robots, self.navigation)
+        place = place_beside(
+            rover, self.robots[rover.carrier], self.robots, self._navigation(rover)
+        )
         if place is None:
             rover.activity = "docked"
             return False
@@ -261,13 +266,20 @@ class Execution:
         rover.carrier = None
         return True
 
-    def reconsider(self, time_s: float) -> None:
+    def look_again(self, robot: Robot, time_s: float) -> None:
+        """Has all who know the same as a robot, and wait for a way, look whether there is one."""
+        for other in self.robots.values():
+            same = self.known[other.id] is self.known[robot.id]
+            if same and other.waits_since_s is not None:
+                self.aim(other, time_s)
+
+    def reconsider(self, robots: Iterable[Robot], time_s: float) -> None:
         """Finds other ways for robots whose routes a newly sensed blockade cuts."""
-        for robot in self.robots.values():
+        for robot in robots:
             if robot.activity != "driving" or robot.command_over or len(robot.route) < 2:
                 continue
             ahead = [robot.position, *robot.route[robot.leg + 1 :]]
-            if self.navigation.is_blocked(ahead, robot.kind.radius_m):
+            if self._navigation(robot).is_blocked(ahead, robot.kind.radius_m):
                 self.aim(robot, time_s)
 
     # --- endings ---
@@ -278,8 +290,8 @@ class Execution:
             self._log(robot, time_s, "failed")
         robot.stop()
         robot.activity, robot.command_over, robot.busy_until_s = "failed", True, math.inf
-        if not robot.is_aboard:
-            self.navigation.standing.append((robot.x, robot.y, robot.kind.radius_m))
+        disc = None if robot.is_aboard else (robot.x, robot.y, robot.kind.radius_m)
+        self.known[robot.id].see_dead(robot.id, disc)
 
     def close(self, time_s: float) -> None:
         """Writes down what is underway as the simulation ends."""
@@ -290,14 +302,23 @@ class Execution:
     def _finish(self, robot: Robot, time_s: float) -> None:
         self._end(robot, time_s, "finished")
         assert robot.command is not None
-        self.finished.append({"robot": robot.id, "command": robot.command.id})
+        self._note_ending(robot, robot.command, time_s, None)
 
-    def _give_up(self, robot: Robot, time_s: float, reason: str) -> None:
+    def give_up(self, robot: Robot, time_s: float, reason: str) -> None:
+        """The robot does not go on with its command."""
         self._end(robot, time_s, "failed")
         assert robot.command is not None
-        self.failed.append(
-            {"robot": robot.id, "command": robot.command.id, "reason": f"path blocked: {reason}"}
+        self._note_ending(robot, robot.command, time_s, reason)
+
+    def _note_ending(
+        self, robot: Robot, command: Command, time_s: float, reason: str | None
+    ) -> None:
+        self.known[robot.id].endings.append(
+            Ending(robot.id, command.id, time_s, robot.position, reason)
         )
+
+    def _give_up(self, robot: Robot, time_s: float, reason: str) -> None:
+        self.give_up(robot, time_s, f"path blocked: {reason}")
 
     def _end(self, robot: Robot, time_s: float, outcome: str) -> None:
         self._log(robot, time_s, outcome)

@@ -100,8 +100,8 @@ class FleetClient:
         time_s: float,
         robots: Sequence[Mapping[str, Any]],
         blockades: Sequence[Mapping[str, Any]] = (),
-        finished: Sequence[Mapping[str, str]] = (),
-        failed: Sequence[Mapping[str, str]] = (),
+        finished: Sequence[Mapping[str, Any]] = (),
+        failed: Sequence[Mapping[str, Any]] = (),
         *,
         map_patches: Sequence[Mapping[str, Any]] = (),
     ) -> Answer:

@@ -104,6 +104,25 @@ class Noise:
 
 
 @dataclass(frozen=True, slots=True)
+class Communication:
+    """How far the robots' radios reach."""
+
+    range_m: float
+    """robots, and the service's own radio, hear one another this far, and pass on what they hear"""
+    base_m: Point | None = None
+    """where the service's own radio stands; None for where the first robot starts"""
+    lease_s: float = 600.0
+    """for how long the service shall reckon with a robot that it does not hear"""
+
+    def __post_init__(self) -> None:
+        for quantity in ("range_m", "lease_s"):
+            if not getattr(self, quantity) > 0:
+                raise ScenarioError(
+                    f"communication: {quantity} must be positive, not {getattr(self, quantity)!r}"
+                )
+
+
+@dataclass(frozen=True, slots=True)
 class Failure:
     """A robot that dies (`duration_s` is None) or stands still for a while, at a given time."""
 
@@ -150,6 +169,8 @@ class FleetScenario:
     """Longest simulated time between two reports to the service."""
     scan_period_s: float = 0.2
     noise: Noise = field(default_factory=Noise)
+    communication: Communication | None = None
+    """None for radios that reach everywhere"""
     failures: tuple[Failure, ...] = ()
 
     def __post_init__(self) -> None:

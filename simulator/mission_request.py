@@ -40,8 +40,11 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
         robots.append(start)
     planning = scenario.planning
     exploration: dict[str, Any] = {"exploration": {}} if scenario.explores else {}
+    communication = scenario.communication
+    lease: dict[str, Any] = {} if communication is None else {"lease_s": communication.lease_s}
     return {
         **exploration,
+        **lease,
         "name": scenario.name,
         "domain": scenario.domain,
         "strategy": scenario.strategy,

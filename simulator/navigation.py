@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from copy import copy
 
 from simulator._core import Floor
 from simulator.fleet_scenario import MARGIN_M, HiddenBlockade, Point, RobotType
@@ -23,7 +24,7 @@ _LOOK_AHEAD_M = 0.5
 
 
 class Navigation:
-    """Routes for all robots of a fleet that shares what its members sense."""
+    """Routes for robots that share what they sense."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
         self.grid = grid
@@ -39,6 +40,16 @@ class Navigation:
         self.grid = grid
         self.walls = Floor(grid.walls(), grid.resolution_m, grid.origin_m)
         self._floors = {}
+
+    def copy(self) -> Navigation:
+        """The same for robots that lose touch with the others; the floors stay shared."""
+        one = copy(self)
+        one.known, one.standing, one._floors = (
+            dict(self.known),
+            list(self.standing),
+            dict(self._floors),
+        )
+        return one
 
     def floor(self, kind: RobotType) -> Floor:
         """The floor as a kind of robot may use it: its centre stays out of forbidden terrain."""

@@ -10,14 +10,14 @@ way. Robots that are not on a course of collision just follow their routes.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simulator.fleet_scenario import MARGIN_M, Point
-from simulator.navigation import Navigation
+from simulator.knowledge import Knowledge
 from simulator.robot import Robot, TimedPoint
 
 _RANKS = {"clear": 0, "explore": 1, "move": 2, "dock": 3, "undock": 3}
@@ -66,8 +66,11 @@ class _Before:
 class RightOfWay:
     """Keeps robots from meeting; call `update` twice a second."""
 
-    def __init__(self, navigation: Navigation, settings: RightOfWaySettings | None = None) -> None:
-        self.navigation = navigation
+    def __init__(
+        self, known: Mapping[str, Knowledge], settings: RightOfWaySettings | None = None
+    ) -> None:
+        self.known = known
+        """by robot"""
         self.settings = settings or RightOfWaySettings()
         self.plans = 0
         """motions planned to give way"""
@@ -183,7 +186,7 @@ class RightOfWay:
                 robot.timed = []
             return
         kept = robot.timed
-        route = self.navigation.route(robot, robot.goals)
+        route = self.known[robot.id].navigation.route(robot, robot.goals)
         if route is not None:
             robot.follow(route)
             if self._first_met(robot, before, time_s) is not None:
@@ -197,15 +200,16 @@ class RightOfWay:
         if other is None:
             return []
         way = [other.position, *other.route[other.leg + 1 :]]
-        return self.navigation.floor(robot.kind).refuges(
+        navigation = self.known[robot.id].navigation
+        return navigation.floor(robot.kind).refuges(
             robot.position,
             way if len(way) > 1 else [*way, *way],
             robot.kind.radius_m + other.kind.radius_m + 0.2,
             5,
             robot.kind.radius_m,
             MARGIN_M,
-            self.navigation.quads(),
-            self.navigation.standing_but(robot),
+            navigation.quads(),
+            navigation.standing_but(robot),
         )
 
     def _get_clear(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
@@ -230,7 +234,8 @@ class RightOfWay:
             for motion, gap in zip(motions_before, before.apart_m, strict=True)
             if math.dist(motion[0], robot.position) < self.settings.near_m
         ]
-        plan = self.navigation.floor(robot.kind).timed_route(
+        navigation = self.known[robot.id].navigation
+        plan = navigation.floor(robot.kind).timed_route(
             robot.position,
             goals,
             motions,
@@ -239,8 +244,8 @@ class RightOfWay:
             self.settings.window_s,
             robot.kind.radius_m,
             MARGIN_M,
-            self.navigation.quads(),
-            self.navigation.standing_but(robot),
+            navigation.quads(),
+            navigation.standing_but(robot),
         )
         if plan is None:
             self.failures += 1

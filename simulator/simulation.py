@@ -12,14 +12,20 @@ from numpy.typing import NDArray
 
 from simulator._core import Floor
 from simulator.clock import Clock
+from simulator.contact import Contact
 from simulator.driving import Driving
 from simulator.execution import ExecutedAction, Execution
 from simulator.fleet_client import FleetClient, MissionState
-from simulator.fleet_scenario import FleetScenario, HiddenBlockade, Pose
+from simulator.fleet_scenario import FleetScenario, Pose
+from simulator.homing import Homing
+from simulator.knowledge import Knowledge
 from simulator.mapping.sensed_map import SensedMap
 from simulator.mission_request import mission_request
 from simulator.navigation import Navigation
+from simulator.noticing import notice
 from simulator.occupancy_grid import read_map_server
+from simulator.radio import Radio
+from simulator.reporting import Reporting
 from simulator.right_of_way import RightOfWay
 from simulator.robot import Robot
 from simulator.sensors import RangeFinder
@@ -87,9 +93,6 @@ class Simulation:
         self.random = np.random.default_rng(scenario.seed)
         self.grid = read_map_server(scenario.map_path)
         self.world = World(self.grid, scenario.blockades)
-        self.sensed_map = SensedMap(self.grid) if scenario.explores else None
-        known = self.grid if self.sensed_map is None else self.sensed_map.grid()
-        self.navigation = Navigation(known)
         self.robots = {
             start.id: Robot(start.id, scenario.type_of(start), *start.pose, carrier=start.carrier)
             for start in scenario.robots
@@ -101,18 +104,23 @@ class Simulation:
                 self.world.place(robot.id, robot.kind.radius_m, robot.pose)
         walls = Floor(self.grid.walls(), self.grid.resolution_m, self.grid.origin_m)
         self.range_finder = RangeFinder(walls, scenario.noise.laser_range_m)
-        self.execution = Execution(scenario, self.world, self.navigation, self.robots)
-        self.right_of_way = RightOfWay(self.navigation)
-        self.driving = Driving(self.world, self.navigation)
+        sensed_map = SensedMap(self.grid) if scenario.explores else None
+        map_known = self.grid if sensed_map is None else sensed_map.grid()
+        self.contact = Contact(
+            list(self.robots.values()),
+            Knowledge(Navigation(map_known), sensed_map),
+            _radio(scenario),
+        )
+        self.execution = Execution(scenario, self.world, self.contact, self.robots)
+        self.right_of_way = RightOfWay(self.contact)
+        self.driving = Driving(self.world, self.contact)
+        self.homing = Homing(self.contact, self.execution)
+        self.reporting = Reporting(scenario, client, self.contact, self.robots)
         self.mission = MissionState("queued", 0, len(scenario.targets), 0)
         self.result: SimulationResult | None = None
         """set when `run` has ended"""
         self._sensed: dict[str, float] = {}
         self._cleared: dict[str, float] = {}
-        self._unreported: list[str] = []
-        self._reported_s = -math.inf
-        self._reports = 0
-        self._waited_s = 0.0
         self._active_s = 0.0
         self._tracks: dict[str, list[tuple[float, float, float, float]]] = {
             robot: [] for robot in self.robots
@@ -128,7 +136,9 @@ class Simulation:
         self.client.create_mission(mission_request(self.scenario, self.grid))
         if self.scenario.blockades_known:
             for blockade in self.world.blockades():
-                self._note_sensed(blockade)
+                self.contact.base.sense(blockade, self.clock.time_s)
+                self._sensed[blockade.id] = self.clock.time_s
+        self._meet()
         self._sense(everyone=True)
         self._report()
         yield self.progress()
@@ -146,10 +156,14 @@ class Simulation:
         """One step of simulated time."""
         clock, robots = self.clock, list(self.robots.values())
         self._break_down()
+        if clock.every(0.5):
+            self._meet()
         self._sense()
         self.execution.update(clock.time_s)
         if clock.every(0.5):
-            self.right_of_way.update(robots, clock.time_s)
+            self.homing.update(robots, clock.time_s)
+            for members in self.contact.groups.members:
+                self.right_of_way.update([self.robots[name] for name in members], clock.time_s)
         if clock.every(1.0):
             self._untangle()
         self.driving.drive(robots, clock.time_s, clock.step_s)
@@ -159,7 +173,7 @@ class Simulation:
         self._note_cleared()
         if clock.every(0.5):
             self._track()
-        if self._has_news() or clock.time_s - self._reported_s >= self.scenario.report_period_s:
+        if self.reporting.is_due(clock.time_s):
             self._report()
 
     def progress(self) -> Progress:
@@ -186,35 +200,52 @@ class Simulation:
             robot = self.robots[failure.robot]
             if failure.duration_s is None:
                 self.execution.kill(robot, now_s)
-                self._reported_s = -math.inf
+                if robot.id in self.contact.linked:
+                    self.reporting.reported_s = -math.inf
             else:
                 robot.halted_until_s = now_s + failure.duration_s
+
+    def _meet(self) -> None:
+        """Robots part and meet; those that meet know, and have orders, together."""
+        linked = self.contact.linked
+        for members in self.contact.update(list(self.robots.values())):
+            group = [self.robots[name] for name in members]
+            self.execution.reconsider(group, self.clock.time_s)
+            self.execution.look_again(group[0], self.clock.time_s)
+            self.execution.assign(members, self.clock.time_s)
+        if self.contact.linked - linked:
+            self.reporting.reported_s = -math.inf
+        if self.clock.every(self.scenario.report_period_s):
+            for known in self.contact.out_of_touch():
+                known.study_map()
 
     def _sense(self, everyone: bool = False) -> None:
         """Laser sweeps, spread over the steps of the scan period."""
         present = [robot for robot in self.robots.values() if not robot.is_aboard]
-        news = False
+        news: dict[int, Knowledge] = {}
         for offset, robot in enumerate(present):
             if robot.has_failed:
                 continue
             if not (everyone or self.clock.every(self.scenario.scan_period_s, offset)):
                 continue
+            known = self.contact[robot.id]
             near = self.world.blockades_near(robot.position, robot.kind.sensor_range_m)
             scan = self.range_finder.scan(robot, present, near, self.clock.time_s, self.random)
-            if self.sensed_map is not None:
+            if known.sensed_map is not None:
                 mates = [(r.x, r.y, r.kind.radius_m) for r in present if r is not robot]
-                self.sensed_map.insert(scan, mates)
+                known.sensed_map.insert(scan, mates)
+            if self.contact.radio is not None and notice(
+                robot, known, self.robots.values(), self.world, self.range_finder.floor
+            ):
+                self.execution.look_again(robot, self.clock.time_s)
             for name in scan.blockades:
-                if name not in self._sensed:
-                    self._note_sensed(next(b for b in near if b.id == name))
-                    news = True
-        if news:
-            self.execution.reconsider(self.clock.time_s)
-
-    def _note_sensed(self, blockade: HiddenBlockade) -> None:
-        self._sensed[blockade.id] = self.clock.time_s
-        self._unreported.append(blockade.id)
-        self.navigation.known[blockade.id] = blockade
+                if name not in known.sensed:
+                    known.sense(next(b for b in near if b.id == name), self.clock.time_s)
+                    self._sensed.setdefault(name, self.clock.time_s)
+                    news[id(known)] = known
+        for known in news.values():
+            group = [robot for robot in self.robots.values() if self.contact[robot.id] is known]
+            self.execution.reconsider(group, self.clock.time_s)
 
     def _untangle(self) -> None:
         """Robots that want to move and cannot look for another way, then insist on it."""
@@ -222,7 +253,7 @@ class Simulation:
             if robot.stalled_s < 3.0 or robot.is_immovable(self.clock.time_s):
                 continue
             if robot.goals:
-                route = self.navigation.route(robot, robot.goals)
+                route = self.contact[robot.id].navigation.route(robot, robot.goals)
                 if route is not None:
                     robot.follow(route)
             else:
@@ -245,9 +276,11 @@ class Simulation:
                 robot.x, robot.y, robot.heading_rad = carrier.pose
 
     def _note_cleared(self) -> None:
-        if len(self._cleared) < len(self._sensed) - len(self.navigation.known):
+        standing = self.world.blockades()
+        if len(self._cleared) < len(self.scenario.blockades) - len(standing):
+            names = {blockade.id for blockade in standing}
             for name in self._sensed:
-                if name not in self.navigation.known and name not in self._cleared:
+                if name not in names and name not in self._cleared:
                     self._cleared[name] = self.clock.time_s
 
     def _track(self) -> None:
@@ -255,55 +288,8 @@ class Simulation:
         for robot in self.robots.values():
             self._tracks[robot.id].append((now_s, robot.x, robot.y, robot.heading_rad))
 
-    # --- talking to the service ---
-
-    def _has_news(self) -> bool:
-        execution = self.execution
-        return bool(
-            execution.finished or execution.failed or self._unreported or execution.started_busy
-        )
-
     def _report(self) -> None:
-        execution = self.execution
-        patches = [] if self.sensed_map is None else self.sensed_map.news()
-        if self.sensed_map is not None and patches:
-            self.navigation.learn(self.sensed_map.grid())
-        begin_s = time.perf_counter()
-        known = {blockade.id: blockade for blockade in self.scenario.blockades}
-        answer = self.client.report(
-            round(self.clock.time_s, 3),
-            [self._robot_report(robot) for robot in self.robots.values()],
-            [
-                {
-                    "id": name,
-                    "segment_m": [list(end) for end in known[name].segment_m],
-                    "clear_duration_s": known[name].clear_duration_s,
-                }
-                for name in self._unreported
-            ],
-            execution.finished,
-            execution.failed,
-            map_patches=patches,
-        )
-        self._waited_s += time.perf_counter() - begin_s
-        self._unreported = []
-        execution.finished, execution.failed, execution.started_busy = [], [], False
-        self._reports += 1
-        self._reported_s = self.clock.time_s
-        self.mission = answer.mission
-        execution.assign(answer.commands, self.clock.time_s)
-
-    def _robot_report(self, robot: Robot) -> dict[str, object]:
-        report: dict[str, object] = {
-            "id": robot.id,
-            "pose": [round(robot.x, 4), round(robot.y, 4), round(robot.heading_rad, 4)],
-            "state": robot.activity,
-        }
-        if robot.command is not None:
-            report["command"] = robot.command.id
-        if robot.is_busy:
-            report["busy_until_s"] = round(robot.busy_until_s, 3)
-        return report
+        self.mission = self.reporting.report(self.execution, self.clock.time_s)
 
     # --- the end ---
 
@@ -322,7 +308,7 @@ class Simulation:
             outcome=outcome,
             time_s=self.clock.time_s,
             wall_s=wall_s,
-            planning_wait_s=self._waited_s,
+            planning_wait_s=self.reporting.waited_s,
             tracks={robot: np.array(track) for robot, track in self._tracks.items()},
             actions=tuple(self.execution.actions),
             visited=dict(self.execution.visited),
@@ -330,11 +316,22 @@ class Simulation:
             cleared=dict(self._cleared),
             driven_m={robot.id: robot.driven_m for robot in self.robots.values()},
             replans=self.mission.replans,
-            reports=self._reports,
+            reports=self.reporting.reports,
             retries=self.client.retries,
             contacts=self.world.contacts,
             give_ways=self.right_of_way.plans,
             give_way_failures=self.right_of_way.failures,
-            known_share=1.0 if self.sensed_map is None else self.sensed_map.known_share(),
+            known_share=self._known_share(),
             commands_failed=sum(action.outcome == "failed" for action in self.execution.actions),
         )
+
+    def _known_share(self) -> float:
+        sensed_map = self.contact.everything().sensed_map
+        return 1.0 if sensed_map is None else sensed_map.known_share()
+
+
+def _radio(scenario: FleetScenario) -> Radio | None:
+    communication = scenario.communication
+    if communication is None:
+        return None
+    return Radio(communication.range_m, communication.base_m or scenario.robots[0].pose[:2])

@@ -62,6 +62,7 @@ def late_robots(mission: Mission) -> list[str]:
 def stuck_robots(mission: Mission, give_up_s: float) -> list[str]:
     """Robots that are late by more than `give_up_s` and have not moved for as long.
 
+    Of one that has not been heard since, nobody knows whether it stands still: its lease decides.
     A robot that clears or docks cannot be interrupted, and one that is to meet another waits for it
     as long as the other moves.
     """
@@ -74,7 +75,7 @@ def stuck_robots(mission: Mission, give_up_s: float) -> list[str]:
         and mission.time_s
         > mission.issued_at_s[command.id] + command.expected_duration_s + give_up_s
         and all(
-            mission.time_s - mission.robots[one].still_since_s > give_up_s
+            mission.robots[one].reported_at_s - mission.robots[one].still_since_s > give_up_s
             for one in (robot_id, command.partner)
             if one in mission.robots
         )
@@ -84,11 +85,16 @@ def stuck_robots(mission: Mission, give_up_s: float) -> list[str]:
 def is_hopeless(mission: Mission, grace_s: float) -> bool:
     """Whether for `grace_s` the team has been able to do nothing and nothing has happened.
 
-    A person who drives a robot may still change that.
+    A person who drives a robot may still change that, and so may a robot that has not been heard
+    since and whose lease has not run out.
     """
+    since_s = mission.hopeless_since_s
     return (
-        mission.hopeless_since_s is not None
-        and mission.time_s - mission.hopeless_since_s >= grace_s
+        since_s is not None
+        and mission.time_s - since_s >= grace_s
+        and all(
+            robot.reported_at_s >= since_s for robot in mission.robots.values() if robot.takes_part
+        )
         and not any(robot.taken_over for robot in mission.robots.values())
     )
 

@@ -52,6 +52,10 @@ class FinishedCommand(Message):
 
     robot: Identifier
     command: CommandId
+    time_s: Seconds | None = None
+    """When, if that could not be told at once."""
+    position_m: Position | None = None
+    """Where the robot was then."""
 
 
 class FailedCommand(Message):
@@ -60,6 +64,10 @@ class FailedCommand(Message):
     robot: Identifier
     command: CommandId
     reason: Text = ""
+    time_s: Seconds | None = None
+    """When, if that could not be told at once."""
+    position_m: Position | None = None
+    """Where the robot was then."""
 
 
 class Report(Message):

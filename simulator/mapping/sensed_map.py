@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,16 @@ class SensedMap:
         self._joint.insert(
             Scan(scan.robot, scan.time_s, scan.pose, scan.range_m, ranges_m, scan.blockades)
         )
+
+    def copy(self) -> SensedMap:
+        """A map of its own that knows the same, as robots that lose touch with others have."""
+        one = copy(self)
+        one._joint = self._joint.copy()
+        return one
+
+    def merge(self, other: SensedMap) -> None:
+        """Takes over what robots that are met have seen; what was told stays as it is."""
+        self._joint.merge(other._joint)
 
     def cells(self) -> NDArray[np.int8]:
         """(rows, columns) -1 unknown, 0 free, 100 occupied."""

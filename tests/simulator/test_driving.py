@@ -8,6 +8,7 @@ import pytest
 
 from simulator.driving import Driving
 from simulator.fleet_scenario import Point, RobotType
+from simulator.knowledge import Knowledge
 from simulator.navigation import Navigation
 from simulator.occupancy_grid import read_map_server
 from simulator.right_of_way import RightOfWay
@@ -33,11 +34,12 @@ class Hall:
     ) -> None:
         grid = read_map_server(write_floor(folder, HALL))
         self.world, navigation = World(grid, ()), Navigation(grid)
-        self.right_of_way = RightOfWay(navigation)
-        self.driving = Driving(self.world, navigation)
         self.robots = [
             Robot(f"robot_{k}", kind, *start, heading_rad=2.0 * k) for k, start in enumerate(starts)
         ]
+        known = dict.fromkeys([robot.id for robot in self.robots], Knowledge(navigation))
+        self.right_of_way = RightOfWay(known)
+        self.driving = Driving(self.world, known)
         self.tracks: list[list[tuple[float, float, float]]] = [[] for _ in self.robots]
         for robot, goal in zip(self.robots, goals, strict=True):
             self.world.place(robot.id, robot.kind.radius_m, robot.pose)

@@ -2,7 +2,15 @@
 
 from service.coordination.fleet_robot import apart
 from service.coordination.mission import Mission, MissionBlockade
-from service.messages.report import Command, CommandKind, Report, RobotActivity, RobotReport
+from service.messages.report import (
+    Command,
+    CommandKind,
+    FailedCommand,
+    FinishedCommand,
+    Report,
+    RobotActivity,
+    RobotReport,
+)
 
 _BUSY: frozenset[RobotActivity] = frozenset({"clearing", "docking", "undocking"})
 _LOCATED: frozenset[CommandKind] = frozenset({"move", "explore", "dock", "undock"})
@@ -34,9 +42,9 @@ def apply_report(mission: Mission, report: Report) -> None:
     if report.map_patches:
         _apply_patches(mission, report)
     for finished in report.finished:
-        _finish(mission, finished.robot, finished.command, report.time_s)
+        _finish(mission, finished, report.time_s)
     for failed in report.failed:
-        _fail(mission, failed.robot, failed.command, report.time_s, failed.reason)
+        _fail(mission, failed, report.time_s)
 
 
 def _apply_patches(mission: Mission, report: Report) -> None:
@@ -78,12 +86,15 @@ def _apply_robot(mission: Mission, report: RobotReport) -> None:
         robot.arrived_at = None
 
 
-def _finish(mission: Mission, robot_id: str, command_id: str, time_s: float) -> None:
-    if command_id in mission.closed:
+def _finish(mission: Mission, finished: FinishedCommand, heard_at_s: float) -> None:
+    if finished.command in mission.closed:
         return
-    command = mission.orders[command_id]
+    robot_id, command = finished.robot, mission.orders[finished.command]
     robot = mission.robots[robot_id]
-    mission.close_command(robot_id, command_id)
+    time_s = heard_at_s if finished.time_s is None else min(finished.time_s, heard_at_s)
+    # A robot that could not tell at once has moved on since.
+    place_m = finished.position_m or robot.position_m
+    mission.close_command(robot_id, command.id)
     mission.done.append(command)
     mission.hopeless_since_s = None
     match command.kind:
@@ -91,7 +102,7 @@ def _finish(mission: Mission, robot_id: str, command_id: str, time_s: float) -> 
             target = mission.targets.get(command.location or "")
             if target is not None and target.visited_by is None:
                 target.visited_by, target.visited_at_s = robot_id, time_s
-                target.visited_from_m = robot.position_m
+                target.visited_from_m = place_m
         case "clear":
             blockade = mission.blockades.get(command.location or "")
             if blockade is not None and blockade.cleared_by is None:
@@ -102,7 +113,9 @@ def _finish(mission: Mission, robot_id: str, command_id: str, time_s: float) -> 
             _board(mission, robot_id, command, aboard=False)
         case "move" | "wait":
             pass
-    if command.kind in _LOCATED:
+    if apart((*place_m, 0.0), robot.pose):
+        robot.arrived_at = None
+    elif command.kind in _LOCATED:
         robot.arrived_at, robot.arrival_pose = command.location, robot.pose
 
 
@@ -124,15 +137,15 @@ def _board(mission: Mission, robot_id: str, command: Command, *, aboard: bool) -
         rover.arrived_at, rover.arrival_pose = command.location, rover.pose
 
 
-def _fail(mission: Mission, robot_id: str, command_id: str, time_s: float, reason: str) -> None:
-    if command_id in mission.closed:
+def _fail(mission: Mission, failed: FailedCommand, time_s: float) -> None:
+    if failed.command in mission.closed:
         return
-    command = mission.orders[command_id]
-    mission.close_command(robot_id, command_id)
+    robot_id, command = failed.robot, mission.orders[failed.command]
+    mission.close_command(robot_id, command.id)
     mission.disturb()
     mission.count_failure(robot_id, command)
     mission.decide(
         time_s,
         "command failed",
-        f"{robot_id} gave up {command.kind} {command.location or ''}: {reason}",
+        f"{robot_id} gave up {command.kind} {command.location or ''}: {failed.reason}",
     )
