@@ -60,6 +60,9 @@ class TeamView:
     time_s: float
     grid: OccupancyGrid
     positions_m: Mapping[str, Point]
+    """of those that can be sent somewhere; others stand and measure"""
+    members: frozenset[str]
+    """all robots that know this map"""
 
 
 class Decide(Protocol):
@@ -186,6 +189,7 @@ class KinematicExploration:
             self._time_s,
             cluster[0].map.grid(),
             {robot.id: (robot.x, robot.y) for robot in ready},
+            frozenset(robot.id for robot in cluster),
         )
         errands = decide(view)
         self._decisions += 1

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import dist
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +79,19 @@ class StrategyAtWork:
                     at = (float(errand.path_m[-1, 0]), float(errand.path_m[-1, 1]))
                     self._sent[order.robot] = (at, errand.purpose)
         return errands
+
+    def take_over(self, others: Sequence[Self], members: Collection[str]) -> None:
+        """Goes on with what other planners knew, for some of their robots."""
+        for other in others:
+            if other._given_up is not None:
+                known = self._given_up
+                self._given_up = other._given_up | (False if known is None else known)
+            # What two planners named alike is not the same frontier.
+            self._known = {**other._known, **self._known}
+            self._number = max(self._number, other._number)
+            self._sent |= {robot: sent for robot, sent in other._sent.items() if robot in members}
+        if len(others) == 1:
+            self._proposal = others[0]._proposal
 
     def _targets(self, view: TeamView, grid: GridMap) -> dict[str, ExplorationTarget]:
         if self._given_up is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gc
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,6 +14,8 @@ from scenarios.exploration.buildings import Building, generated
 from scenarios.exploration.one_run import RunParameters, row_of
 
 Row = dict[str, Any]
+Key = tuple[str, int, int, str]
+"""name of the experiment, robots, start, strategy"""
 
 
 @dataclass(frozen=True)
@@ -32,28 +35,23 @@ class Experiment:
         """Number of runs."""
         return len(self.teams) * self.starts * len(self.arms)
 
-    def runs(self, done: set[tuple[str, int, int, str]]) -> Iterator[Row]:
-        """The rows of all runs that are not done yet, as they end."""
-        built: dict[int, Building] = {}
-        for start in range(self.starts):
-            index = start % len(self.buildings)
-            for team in self.teams:
-                for arm in self.arms:
-                    if (self.name, team, start, arm) in done:
-                        continue
-                    if index not in built:
-                        built[index] = self.buildings[index]()
-                    building = built[index]
-                    strategy = ARMS[arm](building)
-                    row = row_of(
-                        building,
-                        team,
-                        start,
-                        strategy,
-                        strategy_name=arm,
-                        parameters=self.parameters,
-                    )
-                    yield {**row, "map": self.name}
+    def runs(self, start: int, done: set[Key]) -> Iterator[Row]:
+        """The rows of all runs from one start that are not done yet, as they end."""
+        building: Building | None = None
+        for team in self.teams:
+            for arm in self.arms:
+                if (self.name, team, start, arm) in done:
+                    continue
+                building = building or self.buildings[start % len(self.buildings)]()
+                row = row_of(
+                    building,
+                    team,
+                    start,
+                    ARMS[arm](building),
+                    strategy_name=arm,
+                    parameters=self.parameters,
+                )
+                yield {**row, "map": self.name}
 
 
 def drawn(name: str, seeds: Sequence[int]) -> tuple[Callable[[], Building], ...]:
@@ -64,28 +62,38 @@ def drawn(name: str, seeds: Sequence[int]) -> tuple[Callable[[], Building], ...]
 def run_all(
     experiments: Sequence[Experiment], file: Path, progress: Callable[[int, int], None]
 ) -> list[Row]:
-    """Runs what is missing from a CSV file and returns all its rows."""
+    """Runs what is missing from a CSV file and returns all its rows.
+
+    All experiments' first starts come first, then their second ones: whenever it is stopped, what
+    there is are complete pairs.
+    """
     rows = read_rows(file)
     done = {key(row) for row in rows}
     total = sum(experiment.size for experiment in experiments)
     count = sum(key in done for experiment in experiments for key in _keys(experiment))
     file.parent.mkdir(parents=True, exist_ok=True)
-    for experiment in experiments:
-        for row in experiment.runs(done):
-            _append(file, row)
-            rows.append(row)
-            count += 1
-            progress(count, total)
+    # What is there by now stays: no need to look through it at every collection.
+    gc.freeze()
+    try:
+        for start in range(max((experiment.starts for experiment in experiments), default=0)):
+            for experiment in experiments:
+                for row in experiment.runs(start, done) if start < experiment.starts else ():
+                    _append(file, row)
+                    rows.append(row)
+                    count += 1
+                    progress(count, total)
+    finally:
+        gc.unfreeze()
     wanted = {key for experiment in experiments for key in _keys(experiment)}
     return [row for row in rows if key(row) in wanted]
 
 
-def key(row: Row) -> tuple[str, int, int, str]:
+def key(row: Row) -> Key:
     """What tells a run from others."""
     return row["map"], int(row["robots"]), int(row["seed"]), row["strategy"]
 
 
-def _keys(experiment: Experiment) -> set[tuple[str, int, int, str]]:
+def _keys(experiment: Experiment) -> set[Key]:
     return {
         (experiment.name, team, start, arm)
         for team in experiment.teams

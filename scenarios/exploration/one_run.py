@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenarios.exploration.buildings import Building
-from scenarios.exploration.coordination import StrategyAtWork
+from scenarios.exploration.coordination import ROBOT_TYPE, StrategyAtWork
+from scenarios.exploration.planner_per_cluster import PlannerPerCluster
 from scenarios.maps.free_space import components
 from semantic_attachments._core import Region
 from semantic_attachments.world import RobotModel
@@ -36,8 +37,9 @@ class RunParameters:
 
     kinematics: KinematicParameters = field(default_factory=KinematicParameters)
     planning: PlanningMessage = field(
-        default_factory=lambda: PlanningMessage(node_limit=2000, time_limit_s=0.3)
+        default_factory=lambda: PlanningMessage(node_limit=2000, time_limit_s=30.0)
     )
+    """limited by nodes, so that runs repeat; the time limit is there for the unforeseen"""
     start_spacing_m: float = 0.8
 
 
@@ -48,8 +50,8 @@ def explore(
     strategy: Strategy,
     parameters: RunParameters | None = None,
     *,
-    watched: Callable[[StrategyAtWork], Decide] | None = None,
-) -> tuple[ExplorationResult, StrategyAtWork]:
+    watched: Callable[[PlannerPerCluster], Decide] | None = None,
+) -> tuple[ExplorationResult, PlannerPerCluster]:
     """Explores a building; the robots start side by side at a place drawn by the seed.
 
     Args:
@@ -57,16 +59,14 @@ def explore(
     """
     parameters = parameters or RunParameters()
     kinematics = parameters.kinematics
-    at_work = StrategyAtWork(
-        strategy,
-        RobotModel(
-            type="explorer",
-            radius_m=RADIUS_M,
-            speed_m_s=kinematics.speed_m_s,
-            sensor_range_m=kinematics.sensor_range_m,
-        ),
-        replace_seed(parameters.planning, seed),
+    model = RobotModel(
+        type=ROBOT_TYPE,
+        radius_m=RADIUS_M,
+        speed_m_s=kinematics.speed_m_s,
+        sensor_range_m=kinematics.sensor_range_m,
     )
+    planning = replace_seed(parameters.planning, seed)
+    at_work = PlannerPerCluster(lambda: StrategyAtWork(strategy, model, planning))
     starts = gathered_starts(building, robots, seed, parameters.start_spacing_m)
     named = {f"robot_{number:03d}": pose for number, pose in enumerate(starts, 1)}
     truth = replace(building.truth, cells=reachable_only(building))

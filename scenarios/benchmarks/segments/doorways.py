@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from scenarios.exploration.arms import ARMS
 from scenarios.exploration.buildings import Building, generated
-from scenarios.exploration.coordination import StrategyAtWork
 from scenarios.exploration.doorways import Score, score
 from scenarios.exploration.one_run import explore
+from scenarios.exploration.planner_per_cluster import PlannerPerCluster
 from scenarios.maps.floor_plan import Segment
 from service.coordination.segmentation.segmentation import CRITERIA, SegmentationParameters
 from simulator.kinematic_exploration import Decide, Errand, TeamView
@@ -71,7 +71,7 @@ def known_in_part(building: Building, robots: int = 3) -> list[NDArray[np.int8]]
     maps: list[NDArray[np.int8]] = []
     seen = 0
 
-    def watched(at_work: StrategyAtWork) -> Decide:
+    def watched(at_work: PlannerPerCluster) -> Decide:
         def decide(view: TeamView) -> dict[str, Errand]:
             nonlocal seen
             seen += 1

@@ -1,4 +1,4 @@
-"""What is run: the two buildings of figure 2.8, large teams, short communication, the planner."""
+"""What is run: the two buildings of figure 2.8, large teams, short radio, real buildings."""
 
 from __future__ import annotations
 
@@ -7,37 +7,61 @@ from pathlib import Path
 
 from scenarios.exploration.experiments import Experiment, drawn
 from scenarios.exploration.one_run import RunParameters
+from scenarios.exploration.real_buildings import (
+    DATA,
+    FREIBURG,
+    HOSPITAL,
+    building_079,
+    hospital_section,
+)
 from simulator.kinematic_exploration import KinematicParameters
 
 SEEDS = (1, 2, 3, 4, 5)
 """of the buildings; parameters were chosen on others (from 100 on)"""
-CORE = ("nearest", "segments by hand", "segments")
-OTHERS = ("hungarian", "greedy")
+STARTS = 20
+BASELINE = "nearest"
+ARMS = (
+    BASELINE,
+    "segments by hand",
+    "segments",
+    "greedy",
+    "hungarian",
+    "planner",
+    "segments, thesis",
+)
+RADIO_M = 10.0
+RADIO = f"{RADIO_M:.0f} m radio"
 
 
-def experiments(*, quick: bool) -> list[Experiment]:
-    """All experiments on drawn buildings."""
-    starts = 3 if quick else 20
-    short = RunParameters(kinematics=replace(KinematicParameters(), communication_range_m=10.0))
+def experiments(*, quick: bool, data: Path = DATA) -> list[Experiment]:
+    """All experiments, those on real buildings as far as their maps are there."""
     small, large = drawn("small_rooms", SEEDS), drawn("large_rooms", SEEDS)
+    short = RunParameters(kinematics=replace(KinematicParameters(), communication_range_m=RADIO_M))
+    few = (BASELINE, "segments")
     if quick:
         return [
-            Experiment("small_rooms", small, (4,), starts, ("nearest", "segments")),
-            Experiment("large_rooms", large, (4,), starts, ("nearest", "segments")),
+            Experiment("small_rooms", small, (4,), 3, few),
+            Experiment("large_rooms", large, (4,), 3, few),
+            Experiment(f"small_rooms, {RADIO}", small, (4,), 3, few, short),
         ]
-    crowd = ("nearest", "segments, even", "segments")
-    letter = ("nearest", "segments", "segments, thesis")
-    planner = ("nearest", "segments", "planner")
-    return [
-        Experiment("large_rooms", large, (2, 4, 6, 8), starts, CORE),
-        Experiment("small_rooms", small, (2, 3, 4, 5, 6), starts, CORE),
-        Experiment("large_rooms", large, (2, 4, 6, 8), 6, OTHERS),
-        Experiment("small_rooms", small, (2, 3, 4, 5, 6), 6, (*OTHERS, "segments, thesis")),
-        Experiment("small_rooms, planner", small, (2, 4), 5, planner),
-        Experiment("large_rooms, to the letter", large, (4, 8), 6, letter),
-        Experiment("small_rooms, large teams", small, (12, 24), 6, crowd),
-        Experiment("large_rooms, 10 m radio", large, (4, 8), 4, ("nearest", "segments"), short),
+    crowd = (BASELINE, "segments by hand", "segments", "segments, even")
+    real = (BASELINE, "segments", "greedy")
+    found = [
+        Experiment("large_rooms", large, (2, 4, 6, 8), STARTS, ARMS),
+        Experiment("small_rooms", small, (2, 3, 4, 5, 6), STARTS, ARMS),
+        Experiment("large_rooms, large teams", large, (12, 16, 24), STARTS, crowd),
+        Experiment("small_rooms, large teams", small, (8, 12, 16, 24), STARTS, crowd),
+        Experiment(f"large_rooms, {RADIO}", large, (2, 4, 8), STARTS, few, short),
+        Experiment(f"small_rooms, {RADIO}", small, (2, 4, 6), STARTS, few, short),
     ]
+    if (data / HOSPITAL).is_file():
+        with_labels = (*real, "segments by hand")
+        rooms = (lambda: hospital_section(data),)
+        found.append(Experiment("hospital section", rooms, (2, 4, 6), STARTS, with_labels))
+    if (data / FREIBURG).is_file():
+        offices = (lambda: building_079(data),)
+        found.append(Experiment("building 079", offices, (2, 4, 6), STARTS, real))
+    return found
 
 
 RESULTS = Path("docs") / "results" / "segments"

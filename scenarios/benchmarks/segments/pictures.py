@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from scenarios.exploration.buildings import Building
-from scenarios.exploration.coordination import StrategyAtWork
 from scenarios.exploration.one_run import explore
+from scenarios.exploration.planner_per_cluster import PlannerPerCluster
 from service.coordination.exploration.segment_assignment import SegmentAssignment
 from service.coordination.exploration.strategy import Exploring
 from service.coordination.segmentation.segmentation import Segmentation, segment
@@ -26,7 +26,7 @@ Colours = NDArray[np.uint8]
 class Moment:
     """The view and the errands of a decision in the middle of an exploration."""
 
-    def __init__(self, at_work: StrategyAtWork, time_s: float) -> None:
+    def __init__(self, at_work: PlannerPerCluster, time_s: float) -> None:
         self._at_work, self._time_s = at_work, time_s
         self.view: TeamView | None = None
         self.errands: dict[str, Errand] = {}
@@ -46,7 +46,7 @@ def draw_pictures(building: Building, robots: int, time_s: float, folder: Path) 
     """
     caught: list[Moment] = []
 
-    def watched(at_work: StrategyAtWork) -> Decide:
+    def watched(at_work: PlannerPerCluster) -> Decide:
         caught.append(Moment(at_work, time_s))
         return caught[0]
 
