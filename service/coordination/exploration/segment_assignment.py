@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from semantic_attachments.world import GridMap
 from service.coordination.assignment import hungarian
 from service.coordination.exploration.problem import ExplorationProblem
-from service.coordination.frontiers import beside
+from service.coordination.exploration.unknown_ahead import unknown_ahead
 from service.coordination.segmentation.segmentation import SegmentationParameters, segment_labels
 
 Labels = NDArray[np.int32]
@@ -22,8 +22,8 @@ class SegmentParameters:
     discount: float = 0.5
     """Factor on the cost of the segment that a robot is in."""
     spread: bool = True
-    """Whether a team larger than the number of segments is distributed by the length of the
-    frontiers in them, instead of evenly."""
+    """Whether a team larger than the number of segments is distributed by how much unknown space
+    lies within sensor range of them, instead of evenly."""
     segmentation: SegmentationParameters = field(default_factory=SegmentationParameters)
 
 
@@ -41,7 +41,10 @@ class SegmentAssignment:
         labels = self._segmentation(problem.grid)
         # 2 to 4: exploration targets of each segment
         segment_of_target = labels.ravel()[problem.target_cells]
-        work = frontier_cells(problem.grid, labels) if self.parameters.spread else None
+        work = None
+        if self.parameters.spread and len(problem.robot_cells) > len(np.unique(segment_of_target)):
+            range_cells = problem.sensor_range_m / problem.grid.resolution_m
+            work = unknown_ahead(problem.grid, labels, range_cells)
         return assign_by_segment(
             problem.costs_s,
             segment_of_target,
@@ -118,9 +121,3 @@ def _slots(robots: int, segments: NDArray[np.int32], work: NDArray[np.int64] | N
         places[index] += 1
         slots.append(index)
     return slots
-
-
-def frontier_cells(grid: GridMap, labels: Labels) -> NDArray[np.int64]:
-    """(segments + 1,) number of free cells next to unknown ones in each segment, by number."""
-    near = beside(grid.cells < 0)
-    return np.bincount(labels[near & (labels > 0)], minlength=int(labels.max()) + 1)

@@ -119,12 +119,18 @@ impl OccupancyMap {
         }
     }
 
-    fn cell(&self, [x, y]: Point) -> Option<usize> {
-        let column = ((x - self.origin_m[0]) / self.resolution_m).floor();
-        let row = ((y - self.origin_m[1]) / self.resolution_m).floor();
+    /// Column and row of a position, or None outside.
+    fn place(&self, [x, y]: Point) -> Option<[usize; 2]> {
+        let column = (x - self.origin_m[0]) / self.resolution_m;
+        let row = (y - self.origin_m[1]) / self.resolution_m;
         let inside =
             column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
-        inside.then(|| row as usize * self.width + column as usize)
+        inside.then_some([column as usize, row as usize])
+    }
+
+    fn cell(&self, at: Point) -> Option<usize> {
+        let [column, row] = self.place(at)?;
+        Some(row * self.width + column)
     }
 
     fn update(&mut self, cell: usize, stamp: u64, change: f32) {
@@ -145,9 +151,8 @@ impl OccupancyMap {
                 origin[0] + travelled * direction[0],
                 origin[1] + travelled * direction[1],
             ];
-            let Some(cell) = self.cell(at) else { return };
-            self.update(cell, stamp, self.model.miss);
-            let place = [cell % self.width, cell / self.width];
+            let Some(place) = self.place(at) else { return };
+            self.update(place[1] * self.width + place[0], stamp, self.model.miss);
             let leave = |axis: usize| {
                 let next = place[axis] + usize::from(direction[axis] > 0.0);
                 let border = self.origin_m[axis] + next as f64 * self.resolution_m;
