@@ -80,6 +80,11 @@ class StrategyAtWork:
                     self._sent[order.robot] = (at, errand.purpose)
         return errands
 
+    @property
+    def known_targets_m(self) -> Mapping[str, tuple[float, float]]:
+        """Where the targets of the last decision are, by name."""
+        return self._known
+
     def take_over(self, others: Sequence[Self], members: Collection[str]) -> None:
         """Goes on with what other planners knew, for some of their robots."""
         for other in others:
