@@ -189,16 +189,61 @@ class Formulation(ABC):
         Args:
             names: the plan's names, if they are not those of `state` because it is an older plan.
         """
-        names = names or self.names(state)
-        agenda: dict[str, list[tuple[Step, Order]]] = defaultdict(list)
-        for step in sorted(plan, key=lambda step: step.start):
-            for order in self.orders(step, names):
-                agenda[order.robot].append((step, order))
+        agenda = self._agenda(plan, names or self.names(state))
         return tuple(
             self._first(robot, agenda[robot.id])
             for robot in state.robots
             if agenda[robot.id] and robot.activity in (Activity.FREE, Activity.DOCKED)
         )
+
+    def following(
+        self, plan: Plan, state: MissionState, names: Names | None = None
+    ) -> dict[str, tuple[Assignment, ...]]:
+        """What each free robot does after its first step, up to where it waits for somebody else.
+
+        For robots that cannot be told what to do next. Who docks or undocks waits for the other
+        one at that place, so that ends nothing.
+
+        Args:
+            names: as for `assignments`.
+        """
+        agenda = self._agenda(plan, names or self.names(state))
+        return {
+            robot.id: self._after_first(robot, agenda[robot.id])
+            for robot in state.robots
+            if agenda[robot.id] and robot.activity in (Activity.FREE, Activity.DOCKED)
+        }
+
+    def _after_first(
+        self, robot: RobotState, agenda: Sequence[tuple[Step, Order]]
+    ) -> tuple[Assignment, ...]:
+        if self._first(robot, agenda).kind is OrderKind.WAIT:
+            return ()
+        first = next(
+            index
+            for index, (_, order) in enumerate(agenda)
+            if order.kind is not OrderKind.MOVE or order.location != robot.arrived_at
+        )
+        after: list[Assignment] = []
+        free_s = agenda[first][0].end
+        for step, order in agenda[first + 1 :]:
+            meets = order.kind in (OrderKind.DOCK, OrderKind.UNDOCK)
+            if step.start > free_s + self.wait_margin_s and not meets:
+                break
+            after.append(
+                Assignment(
+                    robot.id, order.kind, order.location, order.partner, step.duration or 0.0
+                )
+            )
+            free_s = step.end
+        return tuple(after)
+
+    def _agenda(self, plan: Plan, names: Names) -> dict[str, list[tuple[Step, Order]]]:
+        agenda: dict[str, list[tuple[Step, Order]]] = defaultdict(list)
+        for step in sorted(plan, key=lambda step: step.start):
+            for order in self.orders(step, names):
+                agenda[order.robot].append((step, order))
+        return agenda
 
     def _first(self, robot: RobotState, agenda: Sequence[tuple[Step, Order]]) -> Assignment:
         begun_s = 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from simulator.docking import may_dock, meeting_goals, place_beside
 from simulator.fleet_client import Command
@@ -71,8 +71,20 @@ class Execution:
             robot, command = self.robots[name], order.command
             if name not in names or robot.has_failed or robot.is_busy:
                 continue
-            if command is None or robot.command is None or robot.command.id != command.id:
+            same = command is not None and command.id in (robot.order, _id(robot.command))
+            if not same:
+                robot.order = _id(command)
                 self._replace(robot, command, time_s)
+            elif command is not None and command.id == _id(robot.command):
+                robot.command = command
+
+    def follow_up(self, robot: Robot, time_s: float) -> bool:
+        """A robot that is out of contact goes on with what it was told to do next, if anything."""
+        if robot.command is None or not robot.command.then:
+            return False
+        following, *then = robot.command.then
+        self._replace(robot, replace(following, then=tuple(then)), time_s)
+        return True
 
     def _replace(self, robot: Robot, command: Command | None, time_s: float) -> None:
         if not robot.command_over:
@@ -338,3 +350,7 @@ class Execution:
                     outcome,
                 )
             )
+
+
+def _id(command: Command | None) -> str | None:
+    return None if command is None else command.id

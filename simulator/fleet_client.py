@@ -53,6 +53,8 @@ class Command:
     partner: str | None = None
     path_m: tuple[Point, ...] = ()
     expected_duration_s: float | None = None
+    then: tuple[Command, ...] = ()
+    """what the robot does afterwards if it is out of contact when it has finished"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,4 +153,20 @@ def _read_command(command: Mapping[str, Any]) -> Command:
         partner=command.get("partner"),
         path_m=tuple((float(x), float(y)) for x, y in command.get("path_m") or ()),
         expected_duration_s=None if duration_s is None else float(duration_s),
+        then=tuple(
+            _read_follow_up(follow_up, str(command["robot"]))
+            for follow_up in command.get("then") or ()
+        ),
+    )
+
+
+def _read_follow_up(follow_up: Mapping[str, Any], robot: str) -> Command:
+    position_m = follow_up.get("position_m")
+    return Command(
+        id=str(follow_up["id"]),
+        robot=robot,
+        kind=str(follow_up["kind"]),
+        location=follow_up.get("location"),
+        partner=follow_up.get("partner"),
+        path_m=() if position_m is None else ((float(position_m[0]), float(position_m[1])),),
     )

@@ -43,10 +43,12 @@ class Homing:
                 if robot.command_over and not robot.is_immovable(time_s):
                     robot.stop()
                     robot.activity = "idle"
-            if robot.id in self.contact.linked or robot.has_failed or robot.is_aboard:
+            if robot.id in self.contact.linked or robot.has_failed:
                 self._waits_since_s.pop(robot.id, None)
             elif not robot.command_over:
                 self._lose_patience(robot, time_s)
+            elif robot.is_aboard:
+                self.execution.follow_up(robot, time_s)
             elif not robot.is_immovable(time_s):
                 self._come_back(robot, time_s)
 
@@ -67,6 +69,9 @@ class Homing:
 
     def _come_back(self, robot: Robot, time_s: float) -> None:
         radio = self.contact.radio
+        if self.execution.follow_up(robot, time_s):
+            self._home.discard(robot.id)
+            return
         if radio is None or self._moves(robot) or robot.timed:
             return
         if time_s - self._tried_s.get(robot.id, -math.inf) < _TRIES_AGAIN_S:

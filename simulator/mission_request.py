@@ -12,6 +12,9 @@ import numpy as np
 from simulator.fleet_scenario import MARGIN_M, FleetScenario
 from simulator.occupancy_grid import OccupancyGrid, packed
 
+COMMANDS_AHEAD = 10
+"""that a robot is given for when it is out of contact"""
+
 
 def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, Any]:
     """The body of `POST /v1/missions`.
@@ -41,10 +44,14 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
     planning = scenario.planning
     exploration: dict[str, Any] = {"exploration": {}} if scenario.explores else {}
     communication = scenario.communication
-    lease: dict[str, Any] = {} if communication is None else {"lease_s": communication.lease_s}
+    silence: dict[str, Any] = (
+        {}
+        if communication is None
+        else {"lease_s": communication.lease_s, "commands_ahead": COMMANDS_AHEAD}
+    )
     return {
         **exploration,
-        **lease,
+        **silence,
         "name": scenario.name,
         "domain": scenario.domain,
         "strategy": scenario.strategy,

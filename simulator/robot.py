@@ -31,6 +31,9 @@ class Robot:
     command: Command | None = None
     command_over: bool = True
     """the command was finished or given up; the service has not replaced it yet"""
+    order: str | None = None
+    """id of the service's command that it began with; another one out of contact may have
+    followed"""
     began_s: float = 0.0
     busy_until_s: float = math.inf
     halted_until_s: float = -math.inf

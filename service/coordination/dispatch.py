@@ -7,12 +7,13 @@ from math import inf
 from shapely import LineString
 
 from domains.formulation import Assignment, OrderKind
+from domains.mission_state import MeetingPoint, Target
 from semantic_attachments.contract import Memory
 from service.coordination.mission import Mission
 from service.coordination.strategy import Proposal, Situation
 from service.coordination.travel import Travel
 from service.messages.base import Position
-from service.messages.report import Command
+from service.messages.report import Command, FollowUp
 
 _DRIVES = (OrderKind.MOVE, OrderKind.EXPLORE)
 _BUSY = ("clearing", "docking", "undocking")
@@ -24,17 +25,26 @@ class Order:
 
     assignment: Assignment
     path_m: tuple[Position, ...] = ()
+    then: tuple[tuple[Assignment, Position | None], ...] = ()
+    """What comes after it out of contact, and where."""
 
 
 def orders(proposal: Proposal, situation: Situation, memory: Memory) -> dict[str, Order]:
     """The proposal's orders with the paths that the robots shall drive."""
     travel = Travel.of(situation, memory)
+    state, most = situation.state, situation.commands_ahead
+    places: tuple[Target | MeetingPoint, ...] = (*state.targets, *state.meeting_points)
+    places_m = {place.id: place.position_m for place in places}
     return {
         assignment.robot: Order(
             _from_here(assignment, travel),
             travel.path_m(assignment.robot, assignment.location)
             if assignment.kind in _DRIVES and assignment.location is not None
             else (),
+            tuple(
+                (after, places_m.get(after.location or ""))
+                for after in proposal.then.get(assignment.robot, ())[:most]
+            ),
         )
         for assignment in proposal.assignments
     }
@@ -73,7 +83,7 @@ def commands(
         if order is None or _is_pointless(mission, order.assignment):
             order = Order(Assignment(robot.id, OrderKind.WAIT))
         if current is not None and _is_same(mission, current, order):
-            issued.append(current)
+            issued.append(_followed(current, order, revision))
         else:
             issued.append(_command(order, revision))
     return issued
@@ -82,7 +92,7 @@ def commands(
 def _command(order: Order, revision: int) -> Command:
     assignment = order.assignment
     waits = assignment.kind is OrderKind.WAIT
-    return Command(
+    command = Command(
         id=f"r{revision}-{assignment.robot}",
         robot=assignment.robot,
         kind=assignment.kind.value,
@@ -92,6 +102,24 @@ def _command(order: Order, revision: int) -> Command:
         expected_duration_s=None if waits else assignment.expected_duration_s,
         revision=revision,
     )
+    return _followed(command, order, revision)
+
+
+def _followed(command: Command, order: Order, revision: int) -> Command:
+    """The command with what its robot does afterwards if it is out of contact then."""
+    if not order.then:
+        return command
+    then = [
+        FollowUp(
+            id=f"r{revision}-{command.robot}+{number}",
+            kind=after.kind.value,
+            location=after.location,
+            partner=after.partner,
+            position_m=position_m,
+        )
+        for number, (after, position_m) in enumerate(order.then, 1)
+    ]
+    return command.model_copy(update={"then": then})
 
 
 def _is_pointless(mission: Mission, assignment: Assignment) -> bool:

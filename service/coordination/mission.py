@@ -110,6 +110,8 @@ class Mission:
     issued_at_s: dict[str, float] = field(default_factory=dict)
     orders: dict[str, Command] = field(default_factory=dict)
     """Every command ever issued that is not closed: a late `finished` is still a fact."""
+    ahead: set[str] = field(default_factory=set)
+    """Those among the orders that robots carry out only when they are out of contact."""
     closed: set[str] = field(default_factory=set)
     """Commands reported as finished or failed."""
     barred: set[str] = field(default_factory=set)

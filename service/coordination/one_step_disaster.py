@@ -16,6 +16,7 @@ from domains.mission_state import Activity
 from semantic_attachments.contract import Memory
 from service.coordination.assignment import AssignmentRule, by_hungarian_method
 from service.coordination.dispatch import comes_within
+from service.coordination.follow_ups import clear_on_arrival
 from service.coordination.remarks import remarks
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from service.coordination.travel import Travel
@@ -42,6 +43,7 @@ class OneStepDisaster:
             raise NoPlanError("no robot can reach a target or a blockade")
         return Proposal(
             assignments=tuple(assignments),
+            then=clear_on_arrival(situation, assignments),
             reason=f"an assignment of {len(assignments)} robots",
             steps=steps_of(assignments, situation),
             remarks=remarks_on(assignments, situation, travel, free(situation, "explorer")),

@@ -110,6 +110,7 @@ def situation(
         communication_range_m=None
         if mission.request.exploration is None
         else mission.request.exploration.communication_range_m,
+        commands_ahead=mission.request.commands_ahead,
         instructions=tuple(
             (given.id, given.instruction) for given in mission.instructions.values()
         ),

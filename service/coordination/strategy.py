@@ -50,6 +50,8 @@ class Situation:
     """Mission time by which a target is to be visited [s]."""
     communication_range_m: float | None = None
     """Robots further apart, and not linked through others, cannot be coordinated; None for all."""
+    commands_ahead: int = 0
+    """How many further orders each robot gets for when it is out of contact."""
     instructions: tuple[tuple[str, Instruction], ...] = ()
     """All that people have said, with ids, for remarks."""
 
@@ -61,6 +63,8 @@ class Proposal:
     assignments: tuple[Assignment, ...]
     """At most one a robot; a robot without one waits."""
     reason: str
+    then: Mapping[str, tuple[Assignment, ...]] = field(default_factory=dict)
+    """What robots do after their assignments if nobody can tell them anything else, by robot."""
     steps: tuple[PlanStep, ...] = ()
     """The plan behind the assignments, starts in mission time [s]."""
     validated: bool = False

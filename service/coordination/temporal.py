@@ -18,6 +18,7 @@ from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
+from service.coordination.follow_ups import follow_ups
 from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
 from service.coordination.plan_progress import Remainder, from_here, remainder
 from service.coordination.remarks import remarks
@@ -129,6 +130,7 @@ class Planning:
         left_out = f"; out of reach: {_listed(unreachable)}" if unreachable else ""
         return Proposal(
             assignments=tuple(assignments),
+            then=follow_ups(self.situation, self.formulation, plan, assignments),
             reason=f"{how} of {len(plan)} steps and {plan.makespan:.1f} s{left_out}",
             steps=self._steps(plan),
             validated=True,
@@ -248,8 +250,10 @@ class Planning:
             compared = f"a new one would take {plan.makespan:.1f} s"
         if not good_enough:
             return None
+        assignments = tuple(self._with_idle_clearers(assignments))
         return Proposal(
-            assignments=tuple(self._with_idle_clearers(assignments)),
+            assignments=assignments,
+            then=follow_ups(situation, self.formulation, left.plan, assignments, left.names),
             reason=f"the plan in force goes on with {left_s:.1f} s left, {compared}",
             keeps_plan=True,
             remarks=self._remarks(left.plan, frozenset(), left),

@@ -70,6 +70,8 @@ class Task(Message):
     planning: PlanningMessage = PlanningMessage()
     lease_s: Seconds = 30.0
     """A robot missing from the reports for longer is planned around until it reports again [s]."""
+    commands_ahead: Annotated[int, Field(ge=0, le=20)] = 0
+    """How many further commands each robot gets beside its own, for when it is out of contact."""
 
 
 class MissionRequest(Task):

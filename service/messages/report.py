@@ -83,6 +83,17 @@ class Report(Message):
     failed: list[FailedCommand] = Field(default_factory=list, max_length=1000)
 
 
+class FollowUp(Message):
+    """What a robot does next of its own accord if it is out of contact when it has finished."""
+
+    id: CommandId
+    kind: CommandKind
+    location: str | None = None
+    partner: Identifier | None = None
+    position_m: Position | None = None
+    """Of the location, unless it is a blockade."""
+
+
 class Command(Message):
     """An order to one robot; its id stays the same as long as the order does."""
 
@@ -94,6 +105,7 @@ class Command(Message):
     path_m: list[Position] = Field(default_factory=list)
     expected_duration_s: Seconds | None = None
     revision: int
+    then: list[FollowUp] = Field(default_factory=list)
 
 
 class MissionSummary(Message):

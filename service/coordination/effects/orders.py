@@ -23,6 +23,16 @@ def apply_orders(mission: Mission, event: OrdersIssued) -> None:
         if command.id not in mission.issued_at_s:
             mission.issued_at_s[command.id] = event.time_s
         mission.orders[command.id] = command
+        for follow_up in command.then:
+            mission.ahead.add(follow_up.id)
+            mission.orders[follow_up.id] = Command(
+                id=follow_up.id,
+                robot=command.robot,
+                kind=follow_up.kind,
+                location=follow_up.location,
+                partner=follow_up.partner,
+                revision=command.revision,
+            )
     mission.remark(event.remarks)
     current = {command.robot: command for command in event.commands}
     for robot_id in [robot for robot in mission.commands if robot not in current]:

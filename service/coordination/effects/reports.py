@@ -71,6 +71,9 @@ def _apply_robot(mission: Mission, report: RobotReport) -> None:
     robot.state = report.state
     robot.command = report.command
     robot.busy_until_s = report.busy_until_s
+    if report.command in mission.ahead and report.command in mission.orders:
+        # It has gone on by itself while nobody could tell it anything.
+        mission.commands[robot.id] = mission.orders[report.command]
     robot.reported_at_s = mission.time_s
     if apart(robot.pose, robot.still_pose) or robot.state in _BUSY:
         robot.still_pose, robot.still_since_s = robot.pose, mission.time_s
