@@ -25,6 +25,8 @@ DEAR = ("planner", "segments, thesis")
 """a run takes three to ten times as long; in large rooms with one team only"""
 RADIO_M = 10.0
 RADIO = f"{RADIO_M:.0f} m radio"
+LARGE_TEAMS = "large teams"
+REAL_BUILDINGS = ("hospital section", "building 079")
 
 
 def experiments(*, quick: bool, data: Path = DATA) -> list[Experiment]:
@@ -44,18 +46,18 @@ def experiments(*, quick: bool, data: Path = DATA) -> list[Experiment]:
         Experiment("large_rooms", large, (2, 4, 6, 8), STARTS, ARMS),
         Experiment("small_rooms", small, (2, 3, 4, 5, 6), STARTS, (*ARMS, *DEAR)),
         Experiment("large_rooms", large, (4,), STARTS, DEAR),
-        Experiment("small_rooms, large teams", small, (8, 12, 16, 24), STARTS, crowd),
-        Experiment("large_rooms, large teams", large, (12, 24), STARTS, crowd),
+        Experiment(f"small_rooms, {LARGE_TEAMS}", small, (8, 12, 16, 24), STARTS, crowd),
+        Experiment(f"large_rooms, {LARGE_TEAMS}", large, (12, 24), STARTS, crowd),
         Experiment(f"small_rooms, {RADIO}", small, (4, 6), STARTS, few, short),
         Experiment(f"large_rooms, {RADIO}", large, (4, 8), STARTS, few, short),
     ]
     if (data / HOSPITAL).is_file():
         with_labels = (*real, "segments by hand")
         rooms = (lambda: hospital_section(data),)
-        found.append(Experiment("hospital section", rooms, (2, 4, 6), STARTS, with_labels))
+        found.append(Experiment(REAL_BUILDINGS[0], rooms, (2, 4, 6), STARTS, with_labels))
     if (data / FREIBURG).is_file():
         offices = (lambda: building_079(data),)
-        found.append(Experiment("building 079", offices, (2, 4, 6), STARTS, real))
+        found.append(Experiment(REAL_BUILDINGS[1], offices, (2, 4, 6), STARTS, real))
     return found
 
 

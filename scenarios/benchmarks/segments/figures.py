@@ -8,7 +8,7 @@ from html import escape
 from scenarios.batch.comparison import Comparison
 from scenarios.report.markup import element
 
-COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e")
+COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b", "#17becf")
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 340, 62, 170, 34, 46
 
 
@@ -78,7 +78,13 @@ def improvement_figure(title: str, comparisons: Sequence[Comparison]) -> str:
     for index, arm in enumerate(arms):
         height = TOP + 16 + 20 * index
         drawn.append(
-            element("circle", cx=WIDTH - RIGHT + 16, cy=height - 4, r=5, fill=COLOURS[index])
+            element(
+                "circle",
+                cx=WIDTH - RIGHT + 16,
+                cy=height - 4,
+                r=5,
+                fill=COLOURS[index % len(COLOURS)],
+            )
         )
         drawn.append(_text(arm, WIDTH - RIGHT + 28, height, anchor="start"))
     drawn.append(

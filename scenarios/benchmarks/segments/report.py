@@ -3,32 +3,70 @@
 from __future__ import annotations
 
 import shutil
-from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
-from scenarios.batch.comparison import Comparison, compare
+from scenarios.batch.comparison import compare
 from scenarios.benchmarks.segments.doorways import doorway_table
-from scenarios.benchmarks.segments.experiments import experiments
+from scenarios.benchmarks.segments.experiments import (
+    BASELINE,
+    LARGE_TEAMS,
+    RADIO,
+    REAL_BUILDINGS,
+    experiments,
+)
 from scenarios.benchmarks.segments.figures import improvement_figure
 from scenarios.benchmarks.segments.pictures import draw_pictures
 from scenarios.benchmarks.segments.speed import speed_table
+from scenarios.benchmarks.segments.tables import comparison_table, radio_table, team_size_table
 from scenarios.benchmarks.segments.two_robots import two_robot_table
 from scenarios.exploration.buildings import generated
 from scenarios.exploration.experiments import Row, run_all
 
+DRAWN = ("large_rooms", "small_rooms")
 PICTURES = (("small_rooms", 45.0), ("large_rooms", 120.0))
 """buildings and the times of the decisions that are drawn [s]"""
 
 
 def run(*, quick: bool, out: Path) -> str:
     """Runs what is missing from `out/runs.csv` and returns the report in Markdown."""
-    rows = run_all(experiments(quick=quick), out / "runs.csv", _progress)
+    chosen = experiments(quick=quick)
+    rows = run_all(chosen, out / "runs.csv", _progress)
+    return report(rows, quick=quick, out=out)
+
+
+def report(rows: Sequence[Row], *, quick: bool, out: Path) -> str:
+    """The report on runs, in Markdown; measures doorways and speed, and draws pictures."""
+    of = {name: [row for row in rows if row["map"] == name] for name in {r["map"] for r in rows}}
     parts = ["# Exploration by segments of the map", ""]
-    for name, of_map in _by_map(rows).items():
-        parts += _experiment(name, of_map, out)
+    for name in DRAWN:
+        parts += _experiment(name, of.get(name, []), out)
+    parts += ["## Teams of every size", ""]
+    for name in DRAWN:
+        together = of.get(name, []) + of.get(f"{name}, {LARGE_TEAMS}", [])
+        arms = (BASELINE, "segments by hand", "segments")
+        shown = [arm for arm in arms if any(row["strategy"] == arm for row in together)]
+        parts += [f"{name}:", "", *team_size_table(together, shown, BASELINE), ""]
+    for name in DRAWN:
+        parts += _experiment(f"{name}, {LARGE_TEAMS}", of.get(f"{name}, {LARGE_TEAMS}", []), out)
+    for name in DRAWN:
+        short = of.get(f"{name}, {RADIO}", [])
+        parts += _experiment(f"{name}, {RADIO}", short, out)
+        if short:
+            parts += [
+                "Beside unlimited radio:",
+                "",
+                *radio_table(short, of.get(name, [])),
+                "",
+            ]
+    parts += ["## Real buildings", ""]
+    for name in REAL_BUILDINGS:
+        if name in of:
+            parts += _experiment(name, of[name], out)
+        elif not quick:
+            parts += [f"The map of {name} is not in ../shared/data: left out.", ""]
+    if quick:
+        parts += ["Left out of the quick form.", ""]
     parts += ["## Two robots (section 2.6.2)", "", two_robot_table(quick=quick), ""]
     parts += ["## Doorways", "", doorway_table(quick=quick), ""]
     parts += ["## Speed", "", speed_table(quick=quick), ""]
@@ -41,22 +79,15 @@ def run(*, quick: bool, out: Path) -> str:
     return "\n".join(parts)
 
 
-def _by_map(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    found: dict[str, list[Row]] = defaultdict(list)
-    for row in rows:
-        found[row["map"]].append(row)
-    return found
-
-
 def _experiment(name: str, rows: list[Row], out: Path) -> list[str]:
-    """One experiment's table, and its figure if there are several teams."""
-    arms = [arm for arm in dict.fromkeys(row["strategy"] for row in rows) if arm != "nearest"]
-    comparisons = [c for arm in arms for c in compare(rows, arm, "nearest")]
+    """One experiment's table and figure; nothing without pairs."""
+    arms = [arm for arm in dict.fromkeys(row["strategy"] for row in rows) if arm != BASELINE]
+    comparisons = [c for arm in arms for c in compare(rows, arm, BASELINE)]
     if not comparisons:
         return []
     comparisons.sort(key=lambda c: (int(c.team.split()[0]), arms.index(c.strategy)))
     failed = sum(row["status"] != "completed" for row in rows)
-    parts = [f"## {name}", "", *_table(comparisons, rows), ""]
+    parts = [f"## {name}", "", *comparison_table(comparisons, rows), ""]
     if failed:
         parts += [f"{failed} of {len(rows)} runs did not complete and are left out.", ""]
     file = f"{name.replace(', ', '_').replace(' ', '_')}.svg"
@@ -65,27 +96,6 @@ def _experiment(name: str, rows: list[Row], out: Path) -> list[str]:
         encoding="utf-8",
     )
     return [*parts, f"![time saved]({file})", ""]
-
-
-def _table(comparisons: Sequence[Comparison], rows: Sequence[Row]) -> list[str]:
-    lines = [
-        "| team | strategy | pairs | nearest [s] | its time [s] | saved | p (t) | p (Holm) | wins "
-        "| driven |",
-        "|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for c in comparisons:
-        share = c.gain
-        driven = np.mean(
-            [r["driven_m"] for r in rows if r["team"] == c.team and r["strategy"] == c.strategy]
-        )
-        lines.append(
-            f"| {c.team} | {c.strategy} | {c.pairs} | {c.reference_value.mean:.0f} "
-            f"| {c.value.mean:.0f} | {100 * share.mean:+.1f} % "
-            f"({100 * share.low:+.1f} to {100 * share.high:+.1f}) | {c.t_test_p:.2g} "
-            f"| {c.holm_p:.2g}{' *' if c.significant else ''} | {c.wins} : {c.losses} "
-            f"| {driven:.0f} m |"
-        )
-    return lines
 
 
 def _progress(done: int, total: int) -> None:
