@@ -7,6 +7,7 @@ from collections.abc import Callable
 from scenarios.exploration.buildings import Building
 from service.coordination.exploration.cost_based import HungarianCosts, NearestFrontier
 from service.coordination.exploration.greedy_utility import GreedyUtility
+from service.coordination.exploration.idle_explorers import IdleExplorers
 from service.coordination.exploration.segment_assignment import (
     SegmentAssignment,
     SegmentParameters,
@@ -26,7 +27,7 @@ def _by_hand(building: Building, parameters: SegmentParameters) -> Strategy:
 
 
 def _planner() -> Strategy:
-    return TemporalPlanning(fallback=OneStepDisaster())
+    return IdleExplorers(TemporalPlanning(fallback=OneStepDisaster()))
 
 
 TO_THE_LETTER = SegmentParameters(spread=False, segmentation=THESIS)

@@ -141,6 +141,7 @@ class StrategyAtWork:
             models={ROBOT_TYPE: self.model},
             planning=self.planning,
             trigger="exploration",
+            exploring=True,
             version=len(self.decision_cpu_s),
             in_force=kept.steps if kept is not None and kept.validated else (),
         )

@@ -107,6 +107,7 @@ def situation(
         avoid=avoided(mission),
         priorities=_by_target(mission, Priority, lambda order: order.priority),
         deadlines_s=_by_target(mission, Deadline, lambda order: order.time_s),
+        exploring=mission.request.exploration is not None,
         communication_range_m=None
         if mission.request.exploration is None
         else mission.request.exploration.communication_range_m,

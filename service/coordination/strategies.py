@@ -7,6 +7,7 @@ from semantic_attachments.contract import Memory
 from service.coordination.assignment import by_nearest_pair
 from service.coordination.auction import auction
 from service.coordination.exploration.greedy_utility import GreedyUtility
+from service.coordination.exploration.idle_explorers import IdleExplorers
 from service.coordination.exploration.segment_assignment import SegmentAssignment
 from service.coordination.exploration.strategy import Exploring
 from service.coordination.greedy_clearing import GreedyClearing
@@ -39,7 +40,7 @@ def all_strategies() -> Mapping[str, Strategy]:
                 "marsupial": OneStepMarsupial(by_nearest_pair),
             }
         ),
-        "planner": temporal,
+        "planner": IdleExplorers(temporal),
         "segments": Exploring(SegmentAssignment(), "by segments of the map"),
     }
 

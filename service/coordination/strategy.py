@@ -48,6 +48,8 @@ class Situation:
     """Targets to visit before others, by id; higher goes first, 0 where none is given."""
     deadlines_s: Mapping[str, float] = field(default_factory=dict)
     """Mission time by which a target is to be visited [s]."""
+    exploring: bool = False
+    """The targets are where the known map ends; more will be found behind them."""
     communication_range_m: float | None = None
     """Robots further apart, and not linked through others, cannot be coordinated; None for all."""
     commands_ahead: int = 0
