@@ -64,8 +64,6 @@ class Segmentation:
     reduced: ReducedGraph
     clearance_cells: NDArray[np.float32]
     """(rows, columns) distance to the nearest known obstacle [cells]."""
-    unknown_cells: NDArray[np.float32]
-    """(rows, columns) length of the way to the nearest unknown cell [cells]."""
 
 
 def segment(
@@ -93,14 +91,13 @@ def _cut(
     distances = DistanceTransform(occupied)
     graph = voronoi_graph(free, occupied, resolution_m, parameters.skeleton, distances)
     core = reduced(graph)
-    unknown_cells = way_to_unknown(free, unknown)
     match parameters.criterion:
         case "minima":
             critical = local_minima(core)
         case "junctions":
             critical = at_junctions(core)
         case _:
-            critical = critical_points(core, unknown_cells)
+            critical = critical_points(core, way_to_unknown(free, unknown))
     lines = cuts(critical, distances)
     return Segmentation(
         partition(free, lines),
@@ -109,7 +106,6 @@ def _cut(
         graph,
         core,
         distances.distances(),
-        unknown_cells,
     )
 
 
