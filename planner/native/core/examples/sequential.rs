@@ -1,4 +1,4 @@
-//! First plan of one action after the other: `sequential DOMAIN PROBLEM SECONDS`, for measurements.
+//! First plan of one action after the other: `sequential DOMAIN PROBLEM SECONDS [HEURISTIC]`, for measurements.
 
 mod support;
 
@@ -13,14 +13,14 @@ use planner_core::epoch::registry::Dominance;
 use planner_core::epoch::search::{Parameters, Search};
 use planner_core::epoch::successors::Successors;
 use planner_core::epoch::transitions::Transitions;
+use planner_core::heuristic::choice::Choice;
 use planner_core::heuristic::relaxed::RelaxedTask;
-use planner_core::heuristic::relaxed_plan::RelaxedPlan;
 use planner_core::sequential::compression::compress;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let [_, domain, problem, seconds] = arguments.as_slice() else {
-        return Err("usage: sequential DOMAIN PROBLEM SECONDS".into());
+    let [_, domain, problem, seconds, ..] = arguments.as_slice() else {
+        return Err("usage: sequential DOMAIN PROBLEM SECONDS [HEURISTIC]".into());
     };
     let task = support::read_task(domain, problem)?;
     println!("{:?}", analyse(&task));
@@ -41,8 +41,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         memory: 2 << 30,
     };
     let symmetry = planner_core::sequential::symmetry::Symmetry::new(&task);
-    let heuristic = Box::new(RelaxedPlan::new(&compiled, &relaxed));
-    let mut search = Search::new(transitions, &successors, heuristic, parameters);
+    let name = arguments.get(4).map_or("temporal-ff", String::as_str);
+    let choice = Choice::named(name).ok_or("no such heuristic")?;
+    let graphs = choice.graphs(&task, &relaxed);
+    let heuristics = choice.heuristics(&compiled, &relaxed, graphs.as_ref());
+    let mut search = Search::new(transitions, &successors, heuristics, parameters);
     let begun = Instant::now();
     if let Some(symmetry) = &symmetry {
         println!(

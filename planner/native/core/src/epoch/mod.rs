@@ -16,11 +16,14 @@
 //! start at a moment at which nothing else happens (Cushing, Kambhampati, Mausam, Weld, "When is
 //! temporal planning really temporal?", IJCAI 2007); [`completeness`] says when it is complete.
 
+pub mod alternation;
 pub mod calls;
 pub mod compiled;
 pub mod completeness;
+pub mod condition;
 mod derivation;
 mod effects;
+pub mod happening;
 pub mod open_list;
 pub mod registry;
 pub mod search;

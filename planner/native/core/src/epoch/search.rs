@@ -1,9 +1,9 @@
-//! Best-first search with deferred evaluation over two alternating open lists.
+//! Best-first search with deferred evaluation over alternating open lists.
 //!
-//! A node is evaluated when it is expanded and hands its value to all its successors; successors
-//! by preferred operators are in a list of their own, which is served more often after progress
-//! (Richter and Helmert, "Preferred operators and deferred evaluation in satisficing planning",
-//! ICAPS 2009). After a plan the same search goes on and prunes what cannot be shorter.
+//! A node is evaluated when it is expanded and hands its values to all its successors (Richter and
+//! Helmert, "Preferred operators and deferred evaluation in satisficing planning", ICAPS 2009); see
+//! [`super::alternation`] for the lists. After a plan the same search goes on and prunes what cannot
+//! be shorter.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -14,15 +14,12 @@ use crate::heuristic::{Estimate, Heuristic};
 use crate::plan::Plan;
 use crate::task::{Duration, OperatorId, Task};
 
+use super::alternation::Alternation;
 use super::compiled::Compiled;
-use super::open_list::{Entry, OpenList};
 use super::registry::{Dominance, Edge, NodeId, Registry};
 use super::state::State;
 use super::successors::Successors;
 use super::transitions::Transitions;
-
-/// Expansions that progress is worth to the list of preferred successors.
-const BOOST: i64 = 1_000;
 
 /// Parameters of one search.
 #[derive(Clone, Copy, Debug)]
@@ -73,13 +70,12 @@ pub struct Search<'a> {
     transitions: Transitions<'a>,
     compiled: &'a Compiled<'a>,
     successors: &'a Successors,
-    heuristic: Box<dyn Heuristic + 'a>,
+    heuristics: Vec<Box<dyn Heuristic + 'a>>,
     parameters: Parameters,
     registry: Registry,
-    all: OpenList,
-    preferred: OpenList,
+    open: Alternation,
     bound: f64,
-    best_estimate: u32,
+    estimates: Vec<u32>,
     random: ChaCha8Rng,
     state: State,
     parent_facts: Vec<u64>,
@@ -94,12 +90,12 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search that has not begun.
+    /// A search that has not begun; with several heuristics their open lists take turns.
     #[must_use]
     pub fn new(
         transitions: Transitions<'a>,
         successors: &'a Successors,
-        heuristic: Box<dyn Heuristic + 'a>,
+        heuristics: Vec<Box<dyn Heuristic + 'a>>,
         parameters: Parameters,
     ) -> Self {
         let compiled = transitions.compiled;
@@ -107,17 +103,16 @@ impl<'a> Search<'a> {
             transitions,
             compiled,
             successors,
-            heuristic,
+            open: Alternation::new(heuristics.len()),
+            estimates: Vec::with_capacity(heuristics.len()),
+            heuristics,
             registry: Registry::new(
                 compiled.words,
                 compiled.task.fluents.len(),
                 parameters.dominance,
                 parameters.tolerance,
             ),
-            all: OpenList::default(),
-            preferred: OpenList::default(),
             bound: f64::INFINITY,
-            best_estimate: u32::MAX,
             random: ChaCha8Rng::seed_from_u64(parameters.seed),
             parameters,
             state: State::default(),
@@ -146,8 +141,7 @@ impl<'a> Search<'a> {
     pub fn memory(&self) -> usize {
         let fingerprints = self.fingerprints.as_ref();
         self.registry.memory()
-            + self.all.memory()
-            + self.preferred.memory()
+            + self.open.memory()
             + fingerprints.map_or(0, |(_, met)| 9 * met.capacity())
     }
 
@@ -219,22 +213,7 @@ impl<'a> Search<'a> {
         // Waiting for a timed literal does not lengthen a plan.
         let timeless = self.compiled.task.timed.is_empty();
         let mut stale = |node| registry.is_dead(node) || (timeless && registry.time(node) >= bound);
-        loop {
-            let from_preferred = !self.preferred.is_empty()
-                && (self.all.is_empty() || self.preferred.priority <= self.all.priority);
-            let list = if from_preferred {
-                &mut self.preferred
-            } else {
-                &mut self.all
-            };
-            list.priority += 1;
-            if let Some(next) = list.pop(&mut stale) {
-                return Some(next);
-            }
-            if self.all.is_empty() && self.preferred.is_empty() {
-                return None;
-            }
-        }
+        self.open.pop(&mut stale)
     }
 
     /// Evaluates the current state and queues its successors; true if it is a goal.
@@ -252,27 +231,17 @@ impl<'a> Search<'a> {
             found(plan);
             return true;
         }
-        self.statistics.evaluations += 1;
-        let Estimate::Value(estimate) = self.heuristic.evaluate(&self.state) else {
+        if !self.evaluate() {
             self.statistics.dead_ends += 1;
             return false;
-        };
+        }
         self.statistics.expansions += 1;
-        if estimate < self.best_estimate {
-            if self.best_estimate != u32::MAX {
-                self.preferred.priority -= BOOST;
-            }
-            self.best_estimate = estimate;
-        }
-        self.stamp += 1;
-        for operator in self.heuristic.preferred() {
-            self.marked[operator.index()] = self.stamp;
-        }
+        self.open.note(&self.estimates);
         let mut edges = Vec::new();
         let mut preferred = Vec::new();
         if self.state.next_event(self.compiled).is_some() {
             edges.push(Edge::ADVANCE);
-            if self.heuristic.prefers_waiting() {
+            if self.heuristics.iter().any(|each| each.prefers_waiting()) {
                 preferred.push(Edge::ADVANCE);
             }
         }
@@ -305,16 +274,28 @@ impl<'a> Search<'a> {
             shuffle(&mut edges[first.0..], &mut self.random);
             shuffle(&mut preferred[first.1..], &mut self.random);
         }
-        let priority = self.priority(estimate);
-        self.all.push(priority, Entry { node, edges });
-        self.preferred.push(
-            priority,
-            Entry {
-                node,
-                edges: preferred,
-            },
-        );
+        for index in 0..self.estimates.len() {
+            self.estimates[index] = self.priority(self.estimates[index]);
+        }
+        self.open.push(node, &self.estimates, edges, preferred);
         false
+    }
+
+    /// Asks all heuristics about the current state; false if one knows that it is a dead end.
+    fn evaluate(&mut self) -> bool {
+        self.stamp += 1;
+        self.estimates.clear();
+        for heuristic in &mut self.heuristics {
+            self.statistics.evaluations += 1;
+            let Estimate::Value(estimate) = heuristic.evaluate(&self.state) else {
+                return false;
+            };
+            self.estimates.push(estimate);
+            for operator in heuristic.preferred() {
+                self.marked[operator.index()] = self.stamp;
+            }
+        }
+        true
     }
 
     fn priority(&self, estimate: u32) -> u32 {

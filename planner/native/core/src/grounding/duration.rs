@@ -3,7 +3,7 @@
 use crate::pddl::model::{Action, Arithmetic, Comparison, ObjectId};
 use crate::task::{Duration, GroundExpression};
 
-use super::formula::{Instantiation, combine};
+use super::instantiation::{Instantiation, combine};
 use super::world::World;
 
 /// The duration constraint that allows no finite time from 0 on, and its value, where static

@@ -2,7 +2,7 @@
 
 use crate::pddl::model::{Action, Effect, EffectKind, ObjectId};
 
-use super::formula::{Instantiation, for_all_bindings};
+use super::instantiation::{Instantiation, for_all_bindings};
 
 /// Makes the attachments that effects and their conditions mention part of the batch.
 pub(super) fn collect_effect_calls(

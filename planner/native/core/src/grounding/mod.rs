@@ -16,6 +16,7 @@ pub(crate) use costs::complaint;
 mod duration;
 mod effect_calls;
 mod formula;
+mod instantiation;
 mod join;
 mod reachability;
 mod relation;

@@ -10,9 +10,10 @@ use std::collections::BinaryHeap;
 
 use crate::epoch::compiled::{Compiled, comparison_holds};
 use crate::epoch::state::State;
-use crate::task::Change;
+use crate::task::{Change, OperatorId};
 
 use super::relaxed::{Proposition, RelaxedTask};
+use super::{Estimate, Heuristic};
 
 /// Non-negative times ordered by their bits.
 fn key(time: f64) -> u64 {
@@ -31,6 +32,8 @@ pub struct CriticalPath<'a> {
     /// By goal: when an action that supplies it may have ended.
     finished: Vec<f64>,
     is_goal: Vec<bool>,
+    /// The bound of the first state that [`Heuristic::evaluate`] was asked about [s].
+    whole: Option<f64>,
 }
 
 impl<'a> CriticalPath<'a> {
@@ -52,6 +55,7 @@ impl<'a> CriticalPath<'a> {
                 }
                 is_goal
             },
+            whole: None,
         }
     }
 
@@ -195,7 +199,7 @@ impl<'a> CriticalPath<'a> {
             .numeric
             .iter()
             .map(|support| relaxed.first_comparison + support.comparison);
-        for proposition in action.adds.iter().copied().chain(numeric) {
+        for proposition in relaxed.adds_of(index).iter().copied().chain(numeric) {
             self.reach(proposition, time.max(ready + action.delay));
             if self.is_goal[proposition as usize] {
                 let finished = &mut self.finished[proposition as usize];
@@ -208,6 +212,29 @@ impl<'a> CriticalPath<'a> {
     #[must_use]
     pub fn time_of(&self, proposition: Proposition) -> f64 {
         self.time[proposition as usize]
+    }
+}
+
+/// Steps into which the time at the initial state is divided where the bound guides a search.
+const STEPS: f64 = 1_000.0;
+
+impl Heuristic for CriticalPath<'_> {
+    /// The bound in thousandths of that of the first state it was asked about.
+    fn evaluate(&mut self, state: &State) -> Estimate {
+        let remaining = self.remaining(state);
+        if remaining.is_infinite() {
+            return Estimate::DeadEnd;
+        }
+        let whole = *self.whole.get_or_insert(remaining.max(f64::MIN_POSITIVE));
+        Estimate::Value((remaining / whole * STEPS).ceil().min(1e9) as u32)
+    }
+
+    fn preferred(&self) -> &[OperatorId] {
+        &[]
+    }
+
+    fn prefers_waiting(&self) -> bool {
+        false
     }
 }
 

@@ -20,9 +20,10 @@ use crate::epoch::registry::Dominance;
 use crate::epoch::search::{Found, Parameters, Search};
 use crate::epoch::successors::Successors;
 use crate::epoch::transitions::Transitions;
+use crate::heuristic::choice::Choice;
+use crate::heuristic::context_enhanced_additive::Graphs;
 use crate::heuristic::critical_path::makespan_bound;
 use crate::heuristic::relaxed::RelaxedTask;
-use crate::heuristic::relaxed_plan::RelaxedPlan;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
 use crate::schedule::{Optimiser, Schedule};
@@ -44,6 +45,8 @@ struct Setting<'a> {
     compiled: &'a Compiled<'a>,
     relaxed: &'a RelaxedTask,
     successors: &'a Successors,
+    heuristic: Choice,
+    graphs: Option<&'a Graphs>,
     completeness: Completeness,
 }
 
@@ -68,8 +71,10 @@ impl<'a> Setting<'a> {
             tolerance: TOLERANCE,
             memory: self.options.memory_limit,
         };
-        let heuristic = Box::new(RelaxedPlan::new(self.compiled, self.relaxed));
-        Search::new(transitions, self.successors, heuristic, parameters)
+        let heuristics = self
+            .heuristic
+            .heuristics(self.compiled, self.relaxed, self.graphs);
+        Search::new(transitions, self.successors, heuristics, parameters)
     }
 
     fn dominance(&self) -> Dominance {
@@ -157,6 +162,8 @@ pub fn run(
     let compiled = Compiled::new(task);
     let relaxed = RelaxedTask::new(task);
     let successors = Successors::new(&compiled);
+    let heuristic = Choice::TemporalFf;
+    let graphs = heuristic.graphs(task, &relaxed);
     let setting = Setting {
         task,
         attachments,
@@ -165,6 +172,8 @@ pub fn run(
         compiled: &compiled,
         relaxed: &relaxed,
         successors: &successors,
+        heuristic,
+        graphs: graphs.as_ref(),
         completeness: analyse(task),
     };
     let bound = makespan_bound(&compiled, &relaxed);

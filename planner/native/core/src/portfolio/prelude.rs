@@ -9,8 +9,9 @@ use crate::epoch::registry::Dominance;
 use crate::epoch::search::{Found, Parameters, Search, Statistics, Status};
 use crate::epoch::successors::Successors;
 use crate::epoch::transitions::Transitions;
+use crate::heuristic::choice::Choice;
+use crate::heuristic::context_enhanced_additive::Graphs;
 use crate::heuristic::relaxed::RelaxedTask;
-use crate::heuristic::relaxed_plan::RelaxedPlan;
 use crate::sequential::compression::compress;
 use crate::sequential::symmetry::Symmetry;
 use crate::sequential::timing::one_after_the_other;
@@ -25,13 +26,19 @@ pub(super) struct Tables<'t> {
     successors: Successors,
     calls: Calls<'t>,
     symmetry: Option<Symmetry>,
+    heuristic: Choice,
+    graphs: Option<Graphs>,
 }
 
 impl<'t> Tables<'t> {
     fn new(task: &'t Task) -> Self {
         let compiled = Compiled::new(task);
+        let relaxed = RelaxedTask::new(task);
+        let heuristic = Choice::TemporalFf;
         Self {
-            relaxed: RelaxedTask::new(task),
+            heuristic,
+            graphs: heuristic.graphs(task, &relaxed),
+            relaxed,
             successors: Successors::new(&compiled),
             calls: Calls::new(task, &NoAttachments),
             symmetry: Symmetry::new(task),
@@ -115,8 +122,11 @@ fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>) -> Search<'s> {
         tolerance: TOLERANCE,
         memory: setting.options.memory_limit / 2,
     };
-    let heuristic = Box::new(RelaxedPlan::new(&tables.compiled, &tables.relaxed));
-    let mut search = Search::new(transitions, &tables.successors, heuristic, parameters);
+    let heuristics =
+        tables
+            .heuristic
+            .heuristics(&tables.compiled, &tables.relaxed, tables.graphs.as_ref());
+    let mut search = Search::new(transitions, &tables.successors, heuristics, parameters);
     if let Some(symmetry) = &tables.symmetry {
         search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
     }

@@ -9,18 +9,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use rustc_hash::FxHashMap;
-
+use crate::schedule::distances::{DistanceCache, Distances, key};
 use crate::schedule::model::{Model, NONE};
-use crate::schedule::propositions::{Propositions, Rule};
+use crate::schedule::propositions::Propositions;
 use crate::schedule::state::State;
-
-/// Largest number of distances kept.
-const DISTANCE_MEMORY: usize = 8_000_000;
-
-/// Needs looked at when distances are computed; farther propositions count as being as far as the
-/// last one reached.
-const DISTANCE_EFFORT: usize = 100_000;
 
 /// How labels are computed.
 #[derive(Clone, Copy, Debug)]
@@ -55,44 +47,6 @@ pub struct Question<'a> {
     pub restriction: Restriction,
 }
 
-/// Above this many rules their distances are computed when they are asked for.
-const MANY_RULES: usize = 20_000;
-
-/// Lower bounds on the time from a proposition, or from the start of a rule, to a target [s].
-#[derive(Clone, Debug)]
-struct Distances {
-    propositions: Vec<f32>,
-    /// Empty if there are too many.
-    rules: Vec<f32>,
-}
-
-impl Distances {
-    fn of_rule(&self, propositions: &Propositions, rule: u32) -> f32 {
-        match self.rules.get(rule as usize) {
-            Some(known) => *known,
-            None => through(
-                propositions,
-                &propositions.rules[rule as usize],
-                &self.propositions,
-            ),
-        }
-    }
-}
-
-/// The distance of a rule by the distances of what it adds.
-fn through(propositions: &Propositions, rule: &Rule, distance: &[f32]) -> f32 {
-    let late = propositions.needs(rule).iter().any(|need| need.at_end);
-    let adds = propositions.adds(rule).iter().map(|add| {
-        let lasts = if add.at_end && !late {
-            rule.duration
-        } else {
-            0.0
-        };
-        lasts + distance[add.proposition as usize]
-    });
-    adds.fold(f32::INFINITY, f32::min)
-}
-
 #[derive(Clone, Copy, Debug)]
 struct Label {
     time: f32,
@@ -108,18 +62,12 @@ pub struct Exploration {
     labels: Vec<Label>,
     generation: u32,
     queue: BinaryHeap<Reverse<u64>>,
-    distances: FxHashMap<u32, Distances>,
-    distance_sum: usize,
+    distances: DistanceCache,
     visited: Vec<u32>,
     /// Whether rules cost what they last.
     cost_is_time: bool,
     /// Labels settled since creation.
     pub settled: u64,
-}
-
-fn key(priority: f32, proposition: u32) -> Reverse<u64> {
-    // Non-negative floats are ordered like their bits.
-    Reverse(u64::from(priority.max(0.0).to_bits()) << 32 | u64::from(proposition))
 }
 
 impl Exploration {
@@ -136,8 +84,7 @@ impl Exploration {
             labels: vec![fresh; propositions.count()],
             generation: 0,
             queue: BinaryHeap::new(),
-            distances: FxHashMap::default(),
-            distance_sum: 0,
+            distances: DistanceCache::default(),
             visited: vec![0; propositions.count()],
             cost_is_time,
             settled: 0,
@@ -153,85 +100,14 @@ impl Exploration {
         }
     }
 
-    /// Shortest chains of rules to a target [s], computed by Dijkstra backwards.
-    fn ensure_distance(&mut self, propositions: &Propositions, target: u32) {
-        if self.distances.contains_key(&target) {
-            return;
-        }
-        let count = propositions.count();
-        let kept = if propositions.rules.len() > MANY_RULES {
-            0
-        } else {
-            propositions.rules.len()
-        };
-        let size = count + kept;
-        if self.distance_sum + size > DISTANCE_MEMORY {
-            self.distances.clear();
-            self.distance_sum = 0;
-        }
-        let mut distance = vec![f32::INFINITY; count];
-        distance[target as usize] = 0.0;
-        self.queue.clear();
-        self.queue.push(key(0.0, target));
-        let mut effort = 0;
-        while let Some(Reverse(entry)) = self.queue.pop() {
-            let proposition = entry as u32;
-            let reached = f32::from_bits((entry >> 32) as u32);
-            if reached > distance[proposition as usize] {
-                continue;
-            }
-            if effort > DISTANCE_EFFORT {
-                for far in &mut distance {
-                    *far = far.min(reached);
-                }
-                break;
-            }
-            for rule in propositions.adding.row(proposition) {
-                let rule = &propositions.rules[*rule as usize];
-                let at_end = propositions
-                    .adds(rule)
-                    .iter()
-                    .any(|add| add.proposition == proposition && add.at_end);
-                let through = reached + if at_end { rule.duration } else { 0.0 };
-                effort += propositions.needs(rule).len();
-                for need in propositions.needs(rule) {
-                    let through = if need.at_end { reached } else { through };
-                    if through < distance[need.proposition as usize] {
-                        distance[need.proposition as usize] = through;
-                        self.queue.push(key(through, need.proposition));
-                    }
-                }
-            }
-        }
-        let rules = if propositions.rules.len() > MANY_RULES {
-            Vec::new()
-        } else {
-            let rules = propositions.rules.iter();
-            rules
-                .map(|rule| through(propositions, rule, &distance))
-                .collect()
-        };
-        self.distance_sum += size;
-        self.distances.insert(
-            target,
-            Distances {
-                propositions: distance,
-                rules,
-            },
-        );
-    }
-
     /// Finds a relaxed plan for a target that does not hold: operators with the propositions they
     /// were chosen for, in causal order. Returns the label of the target, infinite if unreachable.
     pub fn relaxed_plan(&mut self, question: Question<'_>, plan: &mut Vec<(u32, u32)>) -> f32 {
         plan.clear();
         let target = question.target;
-        self.ensure_distance(question.propositions, target);
-        let Some(distance) = self.distances.remove(&target) else {
-            return f32::INFINITY;
-        };
+        let distance = self.distances.take(question.propositions, target);
         let label = self.explore(&question, &distance);
-        self.distances.insert(target, distance);
+        self.distances.give_back(target, distance);
         if label.is_finite() {
             self.extract(question.propositions, target, plan);
         }

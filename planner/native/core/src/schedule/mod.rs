@@ -16,15 +16,18 @@ mod application;
 mod compilation;
 mod construction;
 mod dispatch;
+mod distances;
 mod exploration;
 mod links;
 mod lower_bound;
 mod model;
 mod neighbourhood;
+mod numbering;
 mod objective;
 mod optimiser;
 mod propositions;
 mod repair;
+mod rows;
 mod state;
 #[cfg(test)]
 mod testing;

@@ -1,12 +1,11 @@
 //! The delete relaxation of a task: literals and numeric conditions as propositions, operators as
 //! rules from propositions to propositions.
 
-use rustc_hash::FxHashMap;
-
 use crate::pddl::model::{Assignment, Comparison};
-use crate::schedule::model::{Comparing, Model, NONE, NumericWrite, When, fluents_of, literals};
+use crate::schedule::model::{Comparing, Model, NONE, NumericWrite, When};
+use crate::schedule::numbering::{Numbering, uses_duration};
+use crate::schedule::rows::Rows;
 use crate::schedule::state::State;
-use crate::task::{Conjunction, GroundExpression, NumericCondition};
 
 /// A rule of the relaxation: an operator, or one conditional effect of it.
 #[derive(Clone, Copy, Debug)]
@@ -37,38 +36,6 @@ pub enum Meaning {
     Numeric(u32),
 }
 
-/// Compressed sparse rows.
-#[derive(Clone, Debug, Default)]
-pub struct Rows {
-    from: Vec<u32>,
-    items: Vec<u32>,
-}
-
-impl Rows {
-    fn new(count: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
-        let mut from = vec![0u32; count + 1];
-        for (row, _) in pairs.clone() {
-            from[row as usize + 1] += 1;
-        }
-        for row in 0..count {
-            from[row + 1] += from[row];
-        }
-        let mut next = from.clone();
-        let mut items = vec![0; from[count] as usize];
-        for (row, item) in pairs {
-            items[next[row as usize] as usize] = item;
-            next[row as usize] += 1;
-        }
-        Self { from, items }
-    }
-
-    /// The items of a row.
-    pub fn row(&self, row: u32) -> &[u32] {
-        let row = row as usize;
-        &self.items[self.from[row] as usize..self.from[row + 1] as usize]
-    }
-}
-
 /// The delete relaxation.
 #[derive(Clone, Debug)]
 pub struct Propositions {
@@ -91,85 +58,6 @@ pub struct Propositions {
     pub goal: Vec<u32>,
     /// First rule of each operator.
     pub rule_of: Vec<u32>,
-}
-
-#[derive(Default)]
-struct Numbering {
-    negation_of: Vec<u32>,
-    extra: Vec<Meaning>,
-    comparisons: Vec<Comparing>,
-    seen: FxHashMap<String, u32>,
-    by_fluent: FxHashMap<u32, Vec<u32>>,
-}
-
-impl Numbering {
-    fn literal(&mut self, fact: u32, value: bool) -> u32 {
-        if value {
-            return fact;
-        }
-        let next = (self.negation_of.len() + self.extra.len()) as u32;
-        let slot = &mut self.negation_of[fact as usize];
-        if *slot == NONE {
-            *slot = next;
-            self.extra.push(Meaning::Literal(fact, false));
-        }
-        *slot
-    }
-
-    fn comparison(&mut self, condition: &NumericCondition) -> u32 {
-        let key = format!("{condition:?}");
-        if let Some(seen) = self.seen.get(&key) {
-            return *seen;
-        }
-        let proposition = (self.negation_of.len() + self.extra.len()) as u32;
-        let mut reads = Vec::new();
-        let _ = fluents_of(&condition.left, &mut reads);
-        let _ = fluents_of(&condition.right, &mut reads);
-        for fluent in &reads {
-            self.by_fluent.entry(*fluent).or_default().push(proposition);
-        }
-        self.extra
-            .push(Meaning::Numeric(self.comparisons.len() as u32));
-        self.comparisons.push(Comparing {
-            condition: condition.clone(),
-            when: When::Start,
-            reads,
-        });
-        self.seen.insert(key, proposition);
-        proposition
-    }
-
-    fn conjunction(&mut self, condition: &Conjunction, at_end: bool, needs: &mut Vec<Term>) {
-        for (fact, value) in literals(condition) {
-            let proposition = self.literal(fact, value);
-            needs.push(Term {
-                proposition,
-                at_end,
-                throughout: true,
-            });
-        }
-        for comparison in &condition.comparisons {
-            if !uses_duration(comparison) {
-                let proposition = self.comparison(comparison);
-                needs.push(Term {
-                    proposition,
-                    at_end,
-                    throughout: true,
-                });
-            }
-        }
-    }
-}
-
-fn uses_duration(condition: &NumericCondition) -> bool {
-    fn walk(expression: &GroundExpression) -> bool {
-        match expression {
-            GroundExpression::Duration => true,
-            GroundExpression::Binary(_, left, right) => walk(left) || walk(right),
-            _ => false,
-        }
-    }
-    walk(&condition.left) || walk(&condition.right)
 }
 
 impl Propositions {

@@ -1,146 +1,20 @@
-//! The delete relaxation of a temporal task: propositions and actions without deletes.
-//!
-//! A durative operator becomes up to two relaxed actions. The *start* gives its start effects as
-//! soon as its start and over-all conditions hold; the *whole* gives its end effects after its
-//! duration and needs its end conditions too. A conditional effect becomes an action of its own.
-//! Propositions are facts, negated facts that something reads, and numeric comparisons. A fact
-//! that ends of operators delete and others need throughout has a second proposition, *lasting*,
-//! which the latter need: it lets a heuristic see that a window that is about to close is of no
-//! use to an action that takes longer.
+//! Builds the delete relaxation.
 
 use rustc_hash::FxHashMap;
 
-use crate::pddl::model::{Arithmetic, Assignment};
+use crate::pddl::model::Assignment;
 use crate::task::{
     Change, Conjunction, Duration, FactId, FluentId, GroundEffect, GroundExpression,
     NumericCondition, Operator, OperatorId, Task,
 };
 
-/// Index of a proposition.
-pub type Proposition = u32;
+use super::linear::{linear, mentions};
+use super::windows::{deletes_at_end, windows};
+use super::{
+    MANY, NumericSupport, Proposition, Reader, RelaxedAction, RelaxedComparison, RelaxedTask,
+};
 
-/// A way to make a comparison true: by the change of one fluent.
-#[derive(Clone, Debug)]
-pub struct NumericSupport {
-    /// Index into [`RelaxedTask::comparisons`].
-    pub comparison: u32,
-    /// How the fluent changes.
-    pub assignment: Option<Assignment>,
-    /// By how much; `None` for an effect module.
-    pub value: Option<GroundExpression>,
-    /// Coefficient of the fluent in `left - right`; NaN if that is not linear.
-    pub coefficient: f64,
-}
-
-/// A relaxed action.
-#[derive(Clone, Debug)]
-pub struct RelaxedAction {
-    /// The operator it stands for.
-    pub operator: OperatorId,
-    /// From its start to its effects: 0 or the least duration [s].
-    pub delay: f64,
-    /// Number of preconditions.
-    pub preconditions: u32,
-    /// What it makes true.
-    pub adds: Vec<Proposition>,
-    /// Comparisons it may make true.
-    pub numeric: Vec<NumericSupport>,
-}
-
-/// A numeric comparison as a proposition.
-#[derive(Clone, Debug)]
-pub struct RelaxedComparison {
-    /// The comparison.
-    pub condition: NumericCondition,
-    /// `left - right` as a linear form, if it is one.
-    pub linear: Option<Vec<(FluentId, f64)>>,
-}
-
-/// The relaxed task.
-#[derive(Clone, Debug)]
-pub struct RelaxedTask {
-    /// Number of facts; propositions `0..facts` are the facts themselves.
-    pub facts: u32,
-    /// Facts with a proposition for their negation, and that proposition.
-    pub negations: Vec<(FactId, Proposition)>,
-    /// Facts with a proposition for lasting, and that proposition.
-    pub lasting: Vec<(FactId, Proposition)>,
-    /// Comparisons; their propositions start at `first_comparison`.
-    pub comparisons: Vec<RelaxedComparison>,
-    /// First comparison's proposition.
-    pub first_comparison: Proposition,
-    /// Number of propositions.
-    pub propositions: u32,
-    /// All actions.
-    pub actions: Vec<RelaxedAction>,
-    /// Preconditions of all actions, one after the other.
-    pub preconditions: Vec<Proposition>,
-    /// Where each action's preconditions begin, with a last entry for the end.
-    pub precondition_offsets: Vec<u32>,
-    /// Actions by precondition, one list after the other.
-    pub readers: Vec<u32>,
-    /// Parallel to `readers`: whether the precondition is due only when the effects happen.
-    pub late: Vec<bool>,
-    /// Where each proposition's list begins, with a last entry for the end.
-    pub reader_offsets: Vec<u32>,
-    /// Actions without preconditions.
-    pub unconditional: Vec<u32>,
-    /// Goal propositions.
-    pub goal: Vec<Proposition>,
-    /// End effects of each operator as propositions, for operators that run.
-    pub end_adds: Vec<Vec<Proposition>>,
-}
-
-impl RelaxedTask {
-    /// Relaxes a task.
-    #[must_use]
-    pub fn new(task: &Task) -> Self {
-        Builder::new(task).build()
-    }
-
-    /// The preconditions of an action.
-    #[inline]
-    #[must_use]
-    pub fn preconditions_of(&self, action: u32) -> &[Proposition] {
-        let range = self.precondition_offsets[action as usize] as usize
-            ..self.precondition_offsets[action as usize + 1] as usize;
-        &self.preconditions[range]
-    }
-
-    /// The propositions for a fact's lasting.
-    pub fn lasting_of(&self, fact: FactId) -> impl Iterator<Item = Proposition> + '_ {
-        let from = self.lasting.partition_point(|entry| entry.0 < fact);
-        self.lasting[from..]
-            .iter()
-            .take_while(move |entry| entry.0 == fact)
-            .map(|entry| entry.1)
-    }
-
-    /// The actions that a proposition is a precondition of, and whether it is due only at their
-    /// effects.
-    pub fn timed_readers_of(
-        &self,
-        proposition: Proposition,
-    ) -> impl Iterator<Item = (u32, bool)> + '_ {
-        let range = self.reader_offsets[proposition as usize] as usize
-            ..self.reader_offsets[proposition as usize + 1] as usize;
-        self.readers[range.clone()]
-            .iter()
-            .copied()
-            .zip(self.late[range].iter().copied())
-    }
-
-    /// The actions that a proposition is a precondition of.
-    #[inline]
-    #[must_use]
-    pub fn readers_of(&self, proposition: Proposition) -> &[u32] {
-        let range = self.reader_offsets[proposition as usize] as usize
-            ..self.reader_offsets[proposition as usize + 1] as usize;
-        &self.readers[range]
-    }
-}
-
-struct Builder<'a> {
+pub(super) struct Builder<'a> {
     task: &'a Task,
     negation_of: FxHashMap<FactId, Proposition>,
     negations: Vec<(FactId, Proposition)>,
@@ -152,10 +26,11 @@ struct Builder<'a> {
     actions: Vec<RelaxedAction>,
     preconditions: Vec<Vec<Proposition>>,
     late: Vec<Vec<Proposition>>,
+    adds: Vec<Vec<Proposition>>,
 }
 
 impl<'a> Builder<'a> {
-    fn new(task: &'a Task) -> Self {
+    pub(super) fn new(task: &'a Task) -> Self {
         let mut builder = Self {
             task,
             negation_of: FxHashMap::default(),
@@ -167,6 +42,7 @@ impl<'a> Builder<'a> {
             actions: Vec::new(),
             preconditions: Vec::new(),
             late: Vec::new(),
+            adds: Vec::new(),
         };
         let mut conjunctions: Vec<&Conjunction> = vec![&task.goal];
         for operator in &task.operators {
@@ -300,7 +176,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn build(mut self) -> RelaxedTask {
+    pub(super) fn build(mut self) -> RelaxedTask {
         let task = self.task;
         let mut end_adds = Vec::with_capacity(task.operators.len());
         for (index, operator) in task.operators.iter().enumerate() {
@@ -433,9 +309,9 @@ impl<'a> Builder<'a> {
             operator,
             delay,
             preconditions: conditions.len() as u32,
-            adds,
             numeric,
         });
+        self.adds.push(adds);
         self.preconditions.push(conditions);
         self.late.push(late);
     }
@@ -457,11 +333,25 @@ impl<'a> Builder<'a> {
             }
             offsets.push(flat.len() as u32);
         }
+        let mut adds = Vec::new();
+        let mut add_offsets = vec![0];
+        for list in &self.adds {
+            adds.extend_from_slice(list);
+            add_offsets.push(adds.len() as u32);
+        }
+        let reader = |action: u32| {
+            let relaxed = &self.actions[action as usize];
+            let only_add = match self.adds[action as usize].as_slice() {
+                [add] if relaxed.numeric.is_empty() && !relaxed.is_axiom() => *add,
+                _ => MANY,
+            };
+            Reader { action, only_add }
+        };
         let mut readers = Vec::with_capacity(flat.len());
         let mut late = Vec::with_capacity(flat.len());
         let mut reader_offsets = vec![0];
         for list in lists {
-            readers.extend(list.iter().map(|(action, _)| action));
+            readers.extend(list.iter().map(|(action, _)| reader(*action)));
             late.extend(list.iter().map(|(_, late)| late));
             reader_offsets.push(readers.len() as u32);
         }
@@ -475,6 +365,8 @@ impl<'a> Builder<'a> {
             actions: self.actions,
             preconditions: flat,
             precondition_offsets: offsets,
+            adds,
+            add_offsets,
             readers,
             late,
             reader_offsets,
@@ -485,49 +377,6 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Facts that an operator's end deletes and another operator needs throughout, sorted, with the
-/// lengths of the windows in which they hold, sorted; the last one is infinite.
-fn windows(task: &Task) -> Vec<(FactId, Vec<f64>)> {
-    let mut needed = vec![false; task.facts.len()];
-    for operator in &task.operators {
-        for fact in &operator.invariant.positive {
-            needed[fact.index()] = true;
-        }
-    }
-    let mut windows: std::collections::BTreeMap<FactId, Vec<f64>> = Default::default();
-    for operator in &task.operators {
-        for effect in &operator.end_effects {
-            if let (None, Change::Delete(fact)) = (&effect.condition, &effect.change)
-                && needed[fact.index()]
-            {
-                let lengths = windows.entry(*fact).or_insert_with(|| vec![f64::INFINITY]);
-                let opens = operator
-                    .start_effects
-                    .iter()
-                    .any(|effect| effect.change == Change::Add(*fact));
-                if let (true, Some(Duration::Fixed(seconds))) = (opens, &operator.duration) {
-                    lengths.push(*seconds);
-                }
-            }
-        }
-    }
-    windows
-        .into_iter()
-        .map(|(fact, mut lengths)| {
-            lengths.sort_by(f64::total_cmp);
-            lengths.dedup();
-            (fact, lengths)
-        })
-        .collect()
-}
-
-fn deletes_at_end(operator: &Operator, fact: FactId) -> bool {
-    operator
-        .end_effects
-        .iter()
-        .any(|effect| effect.condition.is_none() && effect.change == Change::Delete(fact))
-}
-
 fn least_duration(operator: &Operator) -> f64 {
     match &operator.duration {
         Some(Duration::Fixed(value) | Duration::Bounds(GroundExpression::Constant(value), _)) => {
@@ -535,51 +384,4 @@ fn least_duration(operator: &Operator) -> f64 {
         }
         _ => 0.0,
     }
-}
-
-/// Adds `factor * expression` to a linear form; false if it is not linear.
-fn linear(expression: &GroundExpression, factor: f64, form: &mut Vec<(FluentId, f64)>) -> bool {
-    match expression {
-        GroundExpression::Constant(_) => true,
-        GroundExpression::Fluent(fluent) => {
-            form.push((*fluent, factor));
-            true
-        }
-        GroundExpression::Binary(Arithmetic::Add, left, right) => {
-            linear(left, factor, form) && linear(right, factor, form)
-        }
-        GroundExpression::Binary(Arithmetic::Subtract, left, right) => {
-            linear(left, factor, form) && linear(right, -factor, form)
-        }
-        GroundExpression::Binary(Arithmetic::Multiply, left, right) => {
-            match (left.as_ref(), right.as_ref()) {
-                (GroundExpression::Constant(k), other) | (other, GroundExpression::Constant(k)) => {
-                    linear(other, factor * k, form)
-                }
-                _ => false,
-            }
-        }
-        GroundExpression::Binary(Arithmetic::Divide, left, right) => match right.as_ref() {
-            GroundExpression::Constant(k) => linear(left, factor / k, form),
-            _ => false,
-        },
-        GroundExpression::Binary(Arithmetic::Minimum | Arithmetic::Maximum, ..)
-        | GroundExpression::Duration
-        | GroundExpression::TotalTime
-        | GroundExpression::Call(_) => false,
-    }
-}
-
-fn mentions(condition: &NumericCondition, fluent: FluentId) -> bool {
-    fn inside(expression: &GroundExpression, fluent: FluentId) -> bool {
-        match expression {
-            GroundExpression::Fluent(other) => *other == fluent,
-            GroundExpression::Binary(_, left, right) => {
-                inside(left, fluent) || inside(right, fluent)
-            }
-            GroundExpression::Call(_) => true,
-            _ => false,
-        }
-    }
-    inside(&condition.left, fluent) || inside(&condition.right, fluent)
 }
