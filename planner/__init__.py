@@ -24,9 +24,11 @@ from planner.outcome import OUTCOMES, Outcome, OutcomeRow
 from planner.plan import Plan, Step
 from planner.reading import InputError, read_domain, read_plan, read_problem
 from planner.solving import (
+    Heuristic,
     Limits,
     Progress,
     Result,
+    Space,
     Statistics,
     UnsupportedError,
     solve,
@@ -42,6 +44,7 @@ __all__ = [
     "BatchAttachment",
     "Diagnostic",
     "Domain",
+    "Heuristic",
     "InputError",
     "InternalError",
     "Limits",
@@ -54,6 +57,7 @@ __all__ = [
     "Problem",
     "Progress",
     "Result",
+    "Space",
     "State",
     "Statistics",
     "Step",

@@ -195,6 +195,8 @@ class Search:
         memory_limit: int | None,
         first_plan_only: bool,
         warm_start: Sequence[StepTuple] | None,
+        heuristic: str | None,
+        space: str,
     ) -> Search: ...
     def next(self, timeout_s: float) -> Event | None:
         """The next event; None if there was none for that long."""

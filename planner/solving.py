@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from types import MappingProxyType
 from typing import Final
 
@@ -90,6 +91,39 @@ class Result:
         return max(0.0, 1.0 - self.lower_bound / self.plan.makespan)
 
 
+class Heuristic(StrEnum):
+    """What may guide the decision-epoch search."""
+
+    TEMPORAL_FF = "temporal-ff"
+    """Length of a relaxed plan whose supporters are chosen by additive costs."""
+    CONTEXT_ENHANCED_ADDITIVE = "context-enhanced-additive"
+    """Additive costs along domain transition graphs, each from where the steps before lead."""
+    CRITICAL_PATH = "critical-path"
+    """Least time to the goals when every action waits only for its latest condition; admissible."""
+    BLIND = "blind"
+    """Whether the goal holds."""
+    ALTERNATION = "alternation"
+    """Temporal FF and context-enhanced additive, their open lists in turns."""
+
+
+class Space(StrEnum):
+    """Which spaces are searched."""
+
+    PORTFOLIO = "portfolio"
+    """List schedules and decision epochs in turns."""
+    DECISION_EPOCHS = "decision-epochs"
+    """Decision epochs alone: for measuring and comparing heuristics."""
+
+
+def _named(kind: type[StrEnum], value: str) -> StrEnum:
+    """The member of a name."""
+    try:
+        return kind(value)
+    except ValueError:
+        known = ", ".join(kind)
+        raise InputError(f"no {kind.__name__.lower()} is called {value}; known: {known}") from None
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
     """What bounds and steers a search."""
@@ -108,6 +142,10 @@ class Limits:
     """Whether to stop at the first plan."""
     cpu_timeout_s: float | None = None
     """CPU time of this process, counted from its start [s]."""
+    heuristic: Heuristic | str | None = None
+    """What guides the decision-epoch search; None leaves it to the portfolio."""
+    space: Space | str = Space.PORTFOLIO
+    """Which spaces are searched."""
 
     def __post_init__(self) -> None:
         for name, value, least in (
@@ -120,6 +158,9 @@ class Limits:
         ):
             if value is not None and not value >= least:
                 raise InputError(f"{name} is {value}, but must be at least {least}")
+        if self.heuristic is not None:
+            object.__setattr__(self, "heuristic", _named(Heuristic, self.heuristic))
+        object.__setattr__(self, "space", _named(Space, self.space))
 
 
 def solve(
@@ -135,6 +176,8 @@ def solve(
     first_plan_only: bool = False,
     warm_start: Plan | None = None,
     on_plan: Callable[[Plan], None] | None = None,
+    heuristic: Heuristic | str | None = None,
+    space: Space | str = Space.PORTFOLIO,
 ) -> Result:
     """Searches until the limits or until the best plan is proved optimal.
 
@@ -142,12 +185,22 @@ def solve(
     `attachments` maps names of modules to callables (see `planner.attachments`). `warm_start` is
     the plan in execution, its times counted from now: what is left of it may be the first plan.
     `on_plan` is called with every improving plan. Every plan has passed the validator.
+    `heuristic` guides the decision-epoch search, `space` may be that search alone.
 
     Raises `PddlError` for texts that cannot be read, `AttachmentError` for an attachment that is
     missing or fails, `UnsupportedError` for a problem that is understood but cannot be planned
     with, `InternalError` if the planner contradicts itself. Ctrl-C raises KeyboardInterrupt.
     """
-    limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb, first_plan_only)
+    limits = Limits(
+        timeout_s,
+        seed,
+        threads,
+        node_limit,
+        memory_limit_mb,
+        first_plan_only,
+        heuristic=heuristic,
+        space=space,
+    )
     plans = improving_plans(read_problem(domain, problem), attachments, limits, warm_start)
     while True:
         try:
@@ -170,13 +223,23 @@ def solve_anytime(
     node_limit: int | None = None,
     memory_limit_mb: int | None = None,
     warm_start: Plan | None = None,
+    heuristic: Heuristic | str | None = None,
+    space: Space | str = Space.PORTFOLIO,
 ) -> Generator[Plan, None, Result]:
     """Improving plans as they are found; the value of StopIteration is the `Result`.
 
     Takes and raises what `solve` does. The search goes on while the caller works with a plan and
     stops when the iterator is closed or dropped.
     """
-    limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb)
+    limits = Limits(
+        timeout_s,
+        seed,
+        threads,
+        node_limit,
+        memory_limit_mb,
+        heuristic=heuristic,
+        space=space,
+    )
     return improving_plans(read_problem(domain, problem), attachments, limits, warm_start)
 
 
@@ -200,6 +263,8 @@ def improving_plans(
         memory_limit=None if limits.memory_limit_mb is None else limits.memory_limit_mb << 20,
         first_plan_only=limits.first_plan_only,
         warm_start=None if warm_start is None else tuples_of(warm_start),
+        heuristic=limits.heuristic,
+        space=limits.space,
     )
     plans: list[Plan] = []
     cpu_timed_out = False

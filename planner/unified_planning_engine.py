@@ -8,7 +8,7 @@ Importing this module registers it:
 
 Parameters: `attachments` (numeric fluents computed by a callable of the objects' names instead of
 initial values), `seed`, `threads`, `node_limit`, `memory_limit_mb`, `timeout_s` (the default limit,
-10 s).
+10 s), `heuristic` and `space` (names of `planner.Heuristic` and `planner.Space`).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from __future__ import annotations
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import IO, Any
 
 import unified_planning as up
@@ -43,7 +44,7 @@ from unified_planning.shortcuts import get_environment
 import planner
 from planner.attachments import Attachment
 from planner.outcome import Outcome
-from planner.solving import Limits, Result, improving_plans
+from planner.solving import Limits, Result, Space, improving_plans
 from planner.unified_planning_translation import Translation
 
 NAME = "marsupial"
@@ -133,19 +134,29 @@ class MarsupialEngine(
         threads: int = 1,
         node_limit: int | None = None,
         memory_limit_mb: int | None = None,
+        heuristic: str | None = None,
+        space: str = Space.PORTFOLIO,
         **options: Any,
     ) -> None:
         if options:
             raise up.exceptions.UPUsageError(
                 f"{NAME} has no parameters {sorted(options)}; it takes attachments, timeout_s, "
-                "seed, threads, node_limit and memory_limit_mb"
+                "seed, threads, node_limit, memory_limit_mb, heuristic and space"
             )
         Engine.__init__(self)
         OneshotPlannerMixin.__init__(self)
         AnytimePlannerMixin.__init__(self)
         PlanValidatorMixin.__init__(self)
         self._attachments = dict(attachments or {})
-        self._limits = Limits(timeout_s, seed, threads, node_limit, memory_limit_mb)
+        self._limits = Limits(
+            timeout_s,
+            seed,
+            threads,
+            node_limit,
+            memory_limit_mb,
+            heuristic=heuristic,
+            space=space,
+        )
         self._last_plan: up.plans.Plan | None = None
         if problem is not None:
             ReplannerMixin.__init__(self, problem, error_on_failed_checks)
@@ -230,13 +241,7 @@ class MarsupialEngine(
         except (UPException, planner.PlannerError, NotImplementedError) as error:
             yield self._failed(PlanGenerationResultStatus.UNSUPPORTED_PROBLEM, error)
             return
-        limits = Limits(
-            self._limits.timeout_s if timeout is None else timeout,
-            self._limits.seed,
-            self._limits.threads,
-            self._limits.node_limit,
-            self._limits.memory_limit_mb,
-        )
+        limits = self._limits if timeout is None else replace(self._limits, timeout_s=timeout)
         warm_start = None if warm_start_plan is None else translation.plan_forth(warm_start_plan)
         search = improving_plans(translation.problem, translation.attachments, limits, warm_start)
         best = None

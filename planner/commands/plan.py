@@ -9,7 +9,7 @@ import typer
 from planner.commands.faults import told
 from planner.commands.plan_run import Engine, Outputs, PlanRequest, run_plan
 from planner.commands.providers import AttachmentProvider
-from planner.solving import Limits
+from planner.solving import Heuristic, Limits, Space
 
 
 def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., None]:
@@ -50,6 +50,10 @@ def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., No
         engine: Annotated[
             Engine, typer.Option(help="Who plans; others than marsupial are optional extras.")
         ] = Engine.MARSUPIAL,
+        heuristic: Annotated[
+            Heuristic | None, typer.Option(help="What guides the decision-epoch search.")
+        ] = None,
+        space: Annotated[Space, typer.Option(help="Which spaces are searched.")] = Space.PORTFOLIO,
     ) -> None:
         """Solve a PDDL problem and print the best plan.
 
@@ -63,7 +67,15 @@ def plan_command(provider: AttachmentProvider | None = None) -> Callable[..., No
                 problem,
                 map,
                 Limits(
-                    timeout or None, seed, threads, node_limit, memory_limit, first, cpu_timeout
+                    timeout or None,
+                    seed,
+                    threads,
+                    node_limit,
+                    memory_limit,
+                    first,
+                    cpu_timeout,
+                    heuristic,
+                    space,
                 ),
                 Outputs(plan_file, json_file, svg, html),
                 watch,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from planner.commands.plan_run import Engine, Outputs, PlanRequest
-from planner.solving import Limits
+from planner.solving import Heuristic, Limits, Space
 
 
 def _at_least(least: int, kind: Callable[[str], Any]) -> Callable[[str], Any]:
@@ -35,6 +35,8 @@ OPTIONS: dict[str, Callable[[str], Any]] = {
     "svg": Path,
     "html": Path,
     "engine": Engine,
+    "heuristic": Heuristic,
+    "space": Space,
 }
 FLAGS = ("first", "watch")
 
@@ -73,6 +75,8 @@ def plain_request(words: Sequence[str]) -> PlanRequest | None:
         memory_limit_mb=given.get("memory-limit"),
         first_plan_only=given.get("first", False),
         cpu_timeout_s=given.get("cpu-timeout"),
+        heuristic=given.get("heuristic"),
+        space=given.get("space", Space.PORTFOLIO),
     )
     outputs = Outputs(*(given.get(name) for name in ("plan-file", "json", "svg", "html")))
     return PlanRequest(

@@ -1,4 +1,4 @@
-"""The planner against its peers: disaster and marsupial instances, IPC suites, replanning.
+"""The planner against its peers: disaster and marsupial instances, IPC suites, replanning, rates.
 
 Times are CPU seconds of one engine's processes, from reading the files on. Every plan that counts
 has passed the validator. IPC and instance files are read from `../shared/data`; what is absent is
@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from scenarios.benchmarks.planner import replanning
+from scenarios.benchmarks.planner import rates, replanning
 from scenarios.benchmarks.planner.contest import Run, run_engine
 from scenarios.benchmarks.planner.engines import installed_engines
 from scenarios.benchmarks.planner.instances import Instance, families, ipc_instances
@@ -52,6 +52,8 @@ def run(
     parts = [markdown(runs, engines, limit_s)]
     if not domains or any(word in "replanning" for word in domains):
         parts.append(replanning.run(quick=quick))
+    if not domains or any(word in "rates" for word in domains):
+        parts.append(rates.run(DATA / "instances", quick=quick))
     return "\n\n".join(part for part in parts if part) + "\n"
 
 

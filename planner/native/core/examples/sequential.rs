@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &mut |found| steps = found.steps.len(),
     );
     println!(
-        "{status:?} {steps} steps, {:.2} s, operators {} relaxed {} {:?}",
+        "{status:?} {steps} steps, {:.2} wall s, operators {} relaxed {} {:?}",
         begun.elapsed().as_secs_f64(),
         task.operators.len(),
         relaxed.actions.len(),

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::attachment::{AttachmentError, Attachments};
 use crate::grounding::{GroundingError, GroundingLimits, ground, ground_partially};
+use crate::heuristic::choice::Choice;
 use crate::outcome::{Limit, Outcome};
 use crate::pddl::model::{Domain, Problem};
 use crate::plan::Plan;
@@ -33,6 +34,35 @@ pub struct SolveOptions<'a> {
     pub warm_start: Option<&'a Plan>,
     /// Where to tell what has been done so far.
     pub progress: Option<&'a Progress>,
+    /// What guides the decision-epoch search; `None` leaves it to the portfolio.
+    pub heuristic: Option<Choice>,
+    /// Which spaces are searched.
+    pub space: Space,
+}
+
+/// Which spaces are searched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Space {
+    /// List schedules and decision epochs, and while there is no plan also sequences of steps.
+    #[default]
+    Portfolio,
+    /// Decision epochs alone.
+    DecisionEpochs,
+}
+
+impl Space {
+    /// All, with the names that users give.
+    pub const NAMES: [(&'static str, Self); 2] = [
+        ("portfolio", Self::Portfolio),
+        ("decision-epochs", Self::DecisionEpochs),
+    ];
+
+    /// The spaces of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let entry = Self::NAMES.iter().find(|entry| entry.0 == name)?;
+        Some(entry.1)
+    }
 }
 
 impl Default for SolveOptions<'_> {
@@ -47,6 +77,8 @@ impl Default for SolveOptions<'_> {
             first_plan_only: false,
             warm_start: None,
             progress: None,
+            heuristic: None,
+            space: Space::Portfolio,
         }
     }
 }

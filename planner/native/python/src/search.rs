@@ -5,12 +5,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use planner_core::heuristic::choice::Choice;
 use planner_core::outcome::{Limit, Outcome};
 use planner_core::pddl::model;
 use planner_core::plan::Plan;
 use planner_core::progress::Progress;
-use planner_core::solve::{SolveError, SolveOptions, SolveReport, solve};
+use planner_core::solve::{SolveError, SolveOptions, SolveReport, Space, solve};
 use planner_core::validate::{Options, Reason, Validator, Verdict};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -35,6 +37,8 @@ struct Settings {
     memory_limit: Option<usize>,
     first_plan_only: bool,
     warm_start: Option<Plan>,
+    heuristic: Option<Choice>,
+    space: Space,
 }
 
 /// Something that a search tells.
@@ -91,7 +95,7 @@ impl Search {
     /// Starts searching.
     #[new]
     #[pyo3(signature = (problem, attachments, *, timeout_s, seed, threads, node_limit, memory_limit,
-        first_plan_only, warm_start))]
+        first_plan_only, warm_start, heuristic, space))]
     #[allow(clippy::too_many_arguments)] // keywords of one Python call
     fn new(
         problem: &Problem,
@@ -103,6 +107,8 @@ impl Search {
         memory_limit: Option<usize>,
         first_plan_only: bool,
         warm_start: Option<Vec<StepTuple>>,
+        heuristic: Option<&str>,
+        space: &str,
     ) -> PyResult<Self> {
         let domain = Arc::clone(&problem.domain.get().model);
         let problem = Arc::clone(&problem.model);
@@ -116,6 +122,9 @@ impl Search {
             memory_limit,
             first_plan_only,
             warm_start: warm_start.map(from_tuples),
+            heuristic: heuristic.map(chosen).transpose()?,
+            space: Space::named(space)
+                .ok_or_else(|| PyValueError::new_err(format!("no space is called {space}")))?,
         };
         let progress = Arc::new(Progress::default());
         let (sender, messages) = channel();
@@ -211,6 +220,12 @@ impl Search {
     }
 }
 
+/// The heuristic of a name.
+fn chosen(name: &str) -> PyResult<Choice> {
+    Choice::named(name)
+        .ok_or_else(|| PyValueError::new_err(format!("no heuristic is called {name}")))
+}
+
 /// How a search and whoever waits for it talk to each other.
 #[derive(Clone, Copy)]
 struct Signals<'a> {
@@ -244,6 +259,8 @@ fn run(
         first_plan_only: settings.first_plan_only,
         warm_start: settings.warm_start.as_ref(),
         progress: Some(progress),
+        heuristic: settings.heuristic,
+        space: settings.space,
     };
     let validator = Validator::new(domain, problem, attachments);
     let mut rejected = None;

@@ -47,7 +47,7 @@ pub(super) fn run(
     let transitions = setting.transitions(&calls);
     let mut search = setting.search(&calls, setting.options.seed);
     let (compressed, tables) = (OnceCell::new(), OnceCell::new());
-    let mut prelude = Prelude::new();
+    let mut prelude = Prelude::new(setting.options.space);
     let mut optimiser = optimiser;
     let mut epoch_open = true;
     // How the decision-epoch search ended.

@@ -27,7 +27,7 @@ use crate::heuristic::relaxed::RelaxedTask;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
 use crate::schedule::{Optimiser, Schedule};
-use crate::solve::{SolveError, SolveOptions, SolveReport};
+use crate::solve::{SolveError, SolveOptions, SolveReport, Space};
 use crate::task::Task;
 
 use incumbent::Incumbent;
@@ -162,7 +162,7 @@ pub fn run(
     let compiled = Compiled::new(task);
     let relaxed = RelaxedTask::new(task);
     let successors = Successors::new(&compiled);
-    let heuristic = Choice::TemporalFf;
+    let heuristic = options.heuristic.unwrap_or(Choice::TemporalFf);
     let graphs = heuristic.graphs(task, &relaxed);
     let setting = Setting {
         task,
@@ -197,7 +197,9 @@ pub fn run(
         .warm_start
         .map(|plan| warm_start::operators(task, plan))
         .unwrap_or_default();
-    let optimiser = Optimiser::new(task, options.seed);
+    let optimiser = (options.space == Space::Portfolio)
+        .then(|| Optimiser::new(task, options.seed))
+        .flatten();
     let outcome = match optimiser {
         Some(optimiser) if options.threads > 1 && options.node_limit.is_none() => {
             threads::run(&setting, optimiser, &warm, &mut incumbent)?

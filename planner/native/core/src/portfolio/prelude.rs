@@ -15,6 +15,7 @@ use crate::heuristic::relaxed::RelaxedTask;
 use crate::sequential::compression::compress;
 use crate::sequential::symmetry::Symmetry;
 use crate::sequential::timing::one_after_the_other;
+use crate::solve::Space;
 use crate::task::{OperatorId, Task};
 
 use super::{Setting, TOLERANCE};
@@ -54,11 +55,11 @@ pub(super) struct Prelude<'s> {
 }
 
 impl<'s> Prelude<'s> {
-    /// Not begun.
-    pub(super) fn new() -> Self {
+    /// Not begun; over at once if only decision epochs are searched.
+    pub(super) fn new(space: Space) -> Self {
         Self {
             search: None,
-            ended: false,
+            ended: space == Space::DecisionEpochs,
         }
     }
 
