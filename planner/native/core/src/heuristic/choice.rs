@@ -42,10 +42,16 @@ impl Choice {
         Some(entry.1)
     }
 
+    /// Whether it works on domain transition graphs.
+    #[must_use]
+    pub fn needs_graphs(self) -> bool {
+        matches!(self, Self::ContextEnhancedAdditive | Self::Alternation)
+    }
+
     /// The graphs that it needs.
     #[must_use]
     pub fn graphs(self, task: &Task, relaxed: &RelaxedTask) -> Option<Graphs> {
-        matches!(self, Self::ContextEnhancedAdditive | Self::Alternation)
+        self.needs_graphs()
             .then(|| Graphs::new(task, relaxed, Costs::Actions))
     }
 
@@ -66,7 +72,7 @@ impl Choice {
             }
             Self::ContextEnhancedAdditive => {}
         }
-        if let Some(graphs) = graphs {
+        if let (true, Some(graphs)) = (self.needs_graphs(), graphs) {
             let cea = ContextEnhancedAdditive::new(compiled, relaxed, graphs);
             heuristics.push(Box::new(cea));
         }

@@ -22,8 +22,10 @@ const TURN_NODES: u64 = 400;
 /// Part of a turn that the decision-epoch search gets once there is a plan.
 const SHARE: f64 = 0.15;
 
-/// Turns of the search for sequential plans, which only a task without a plan gets.
-const PRELUDE_SHARE: f64 = 2.0;
+/// Parts of a turn that each search for sequential plans gets; only a task without a plan does.
+const PRELUDE_SHARE: f64 = 1.5;
+/// From which turn on there is a second one, under another heuristic.
+const SECOND_PRELUDE: u32 = 3;
 
 /// Turns in which it gets more: small spaces are exhausted, and proofs found, by then.
 const EARLY: u32 = 4;
@@ -47,7 +49,7 @@ pub(super) fn run(
     let transitions = setting.transitions(&calls);
     let mut search = setting.search(&calls, setting.options.seed);
     let (compressed, tables) = (OnceCell::new(), OnceCell::new());
-    let mut prelude = Prelude::new(setting.options.space);
+    let mut preludes = Prelude::all(setting.options);
     let mut optimiser = optimiser;
     let mut epoch_open = true;
     // How the decision-epoch search ended.
@@ -112,7 +114,7 @@ pub(super) fn run(
                 (true, _) => 4.0,
                 (false, true) if turn < EARLY => 0.5,
                 (false, true) => SHARE,
-                (false, false) if prelude.ended() => 1.0,
+                (false, false) if preludes.iter().all(Prelude::ended) => 1.0,
                 (false, false) => 0.5,
             };
             let end = Instant::now() + turn_time.mul_f64(share);
@@ -182,7 +184,11 @@ pub(super) fn run(
                 return Ok(epoch_ended);
             }
         }
-        if !incumbent.exists() {
+        let begun = if turn < SECOND_PRELUDE { 1 } else { 2 };
+        for prelude in preludes.iter_mut().take(begun) {
+            if incumbent.exists() {
+                break;
+            }
             let end = Instant::now() + turn_time.mul_f64(PRELUDE_SHARE);
             let timed = setting.options.node_limit.is_none();
             let before = prelude.statistics();

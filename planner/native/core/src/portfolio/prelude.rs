@@ -15,7 +15,7 @@ use crate::heuristic::relaxed::RelaxedTask;
 use crate::sequential::compression::compress;
 use crate::sequential::symmetry::Symmetry;
 use crate::sequential::timing::one_after_the_other;
-use crate::solve::Space;
+use crate::solve::{SolveOptions, Space};
 use crate::task::{OperatorId, Task};
 
 use super::{Setting, TOLERANCE};
@@ -27,39 +27,61 @@ pub(super) struct Tables<'t> {
     successors: Successors,
     calls: Calls<'t>,
     symmetry: Option<Symmetry>,
-    heuristic: Choice,
-    graphs: Option<Graphs>,
+    graphs: OnceCell<Option<Graphs>>,
 }
 
 impl<'t> Tables<'t> {
     fn new(task: &'t Task) -> Self {
         let compiled = Compiled::new(task);
-        let relaxed = RelaxedTask::new(task);
-        let heuristic = Choice::TemporalFf;
         Self {
-            heuristic,
-            graphs: heuristic.graphs(task, &relaxed),
-            relaxed,
+            graphs: OnceCell::new(),
+            relaxed: RelaxedTask::new(task),
             successors: Successors::new(&compiled),
             calls: Calls::new(task, &NoAttachments),
             symmetry: Symmetry::new(task),
             compiled,
         }
     }
+
+    /// The graphs that a heuristic needs.
+    fn graphs(&self, heuristic: Choice) -> Option<&Graphs> {
+        if !heuristic.needs_graphs() {
+            return None;
+        }
+        let made = self
+            .graphs
+            .get_or_init(|| heuristic.graphs(self.compiled.task, &self.relaxed));
+        made.as_ref()
+    }
 }
 
 /// A search that begins with its first turn and ends with its first plan.
 pub(super) struct Prelude<'s> {
+    heuristic: Choice,
     search: Option<Search<'s>>,
     ended: bool,
 }
 
 impl<'s> Prelude<'s> {
-    /// Not begun; over at once if only decision epochs are searched.
-    pub(super) fn new(space: Space) -> Self {
+    /// Not begun.
+    pub(super) fn new(heuristic: Choice) -> Self {
         Self {
+            heuristic,
             search: None,
-            ended: space == Space::DecisionEpochs,
+            ended: false,
+        }
+    }
+
+    /// The searches that the options ask for: none if only decision epochs are searched, one if a
+    /// heuristic is named.
+    pub(super) fn all(options: &SolveOptions<'_>) -> Vec<Self> {
+        match (options.space, options.heuristic) {
+            (Space::DecisionEpochs, _) => Vec::new(),
+            (Space::Portfolio, Some(named)) => vec![Self::new(named)],
+            (Space::Portfolio, None) => vec![
+                Self::new(Choice::TemporalFf),
+                Self::new(Choice::ContextEnhancedAdditive),
+            ],
         }
     }
 
@@ -95,7 +117,7 @@ impl<'s> Prelude<'s> {
                 return None;
             };
             let tables = tables.get_or_init(|| Tables::new(compressed));
-            self.search = Some(search(setting, tables));
+            self.search = Some(search(setting, tables, self.heuristic));
         }
         let mut found = None;
         let status = self
@@ -111,7 +133,7 @@ impl<'s> Prelude<'s> {
     }
 }
 
-fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>) -> Search<'s> {
+fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>, heuristic: Choice) -> Search<'s> {
     let transitions = Transitions {
         compiled: &tables.compiled,
         calls: &tables.calls,
@@ -121,12 +143,10 @@ fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>) -> Search<'s> {
         seed: setting.options.seed,
         dominance: Dominance::Untimed,
         tolerance: TOLERANCE,
-        memory: setting.options.memory_limit / 2,
+        memory: setting.options.memory_limit / 4,
     };
     let heuristics =
-        tables
-            .heuristic
-            .heuristics(&tables.compiled, &tables.relaxed, tables.graphs.as_ref());
+        heuristic.heuristics(&tables.compiled, &tables.relaxed, tables.graphs(heuristic));
     let mut search = Search::new(transitions, &tables.successors, heuristics, parameters);
     if let Some(symmetry) = &tables.symmetry {
         search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
