@@ -273,3 +273,23 @@ def test_a_problem_without_plan_is_an_outcome() -> None:
 def test_limits_that_make_no_sense_are_refused(option: str) -> None:
     with pytest.raises(planner.InputError, match=option):
         planner.solve(COURIER, ERRANDS, attachments=EASY, **{option: -1})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("heuristic", planner.Heuristic)
+def test_decision_epochs_are_searched_alone_under_a_named_heuristic(
+    heuristic: planner.Heuristic,
+) -> None:
+    result = planner.solve(
+        COURIER, ERRANDS, attachments=EASY, heuristic=heuristic, space="decision-epochs"
+    )
+    assert result.statistics.schedules == 0
+    assert result.plan is not None
+    # p0 to p1 to p2.
+    assert result.plan.makespan == pytest.approx(6.0, abs=0.01)
+
+
+def test_unknown_heuristics_and_spaces_are_refused_with_the_known_ones() -> None:
+    with pytest.raises(planner.InputError, match=r"no heuristic is called luck.*temporal-ff"):
+        planner.solve(COURIER, ERRANDS, attachments=EASY, heuristic="luck")
+    with pytest.raises(planner.InputError, match=r"no space is called outer.*portfolio"):
+        planner.solve(COURIER, ERRANDS, attachments=EASY, space="outer")

@@ -21,6 +21,8 @@ VALUES = {
     "svg": "out.svg",
     "html": "out.html",
     "engine": "tamer",
+    "heuristic": "context-enhanced-additive",
+    "space": "decision-epochs",
 }
 FILES = ["domain.pddl", "problem.pddl"]
 
@@ -86,6 +88,7 @@ def test_every_option_is_known(requests: list[PlanRequest]) -> None:
         [*FILES, "--threads", "0"],
         [*FILES, "--timeout", "nan"],
         [*FILES, "--engine", "steam"],
+        [*FILES, "--heuristic", "luck"],
         [*FILES, "--first=yes"],
         [*FILES, "--seed", "1", "--seed", "2"],
     ],

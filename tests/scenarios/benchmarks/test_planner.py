@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from planner.compile_attachments import compile_attachments
+from scenarios.benchmarks.planner import rates
 from scenarios.benchmarks.planner.contest import Run, run_engine
 from scenarios.benchmarks.planner.instances import Instance, families, ipc_instances
 from scenarios.benchmarks.planner.report import losses, markdown, sat_scores
@@ -62,3 +64,17 @@ def test_instances_are_found_in_order(tmp_path: Path) -> None:
     found = ipc_instances(tmp_path)
     assert [one.name for one in found] == ["2011 hops 2", "2011 hops 10"]
     assert [one.domain.name for one in found] == ["domain-2.pddl", "domain.pddl"]
+
+
+def test_rates_are_told_of_spaces_that_are_large_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rates, "FEWEST", 200)
+    problem, attachments = rates.generated(rates.Size("floor", 2, 1, 4, 2), seed=1)
+    plain = compile_attachments(problem, attachments).read()
+    with_modules = rates.expansion_rate(problem, attachments, 600)
+    with_fluents = rates.expansion_rate(plain, None, 600)
+    assert with_modules is not None
+    assert with_modules > 0
+    assert with_fluents is not None
+    assert with_fluents > 0
+    small, costs = rates.generated(rates.Size("room", 1, 1, 1, 0), seed=1)
+    assert rates.expansion_rate(small, costs, 600) is None
