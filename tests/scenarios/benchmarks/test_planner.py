@@ -68,13 +68,13 @@ def test_instances_are_found_in_order(tmp_path: Path) -> None:
 
 def test_rates_are_told_of_spaces_that_are_large_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rates, "FEWEST", 200)
-    problem, attachments = rates.generated(rates.Size("floor", 2, 1, 4, 2), seed=1)
+    problem, attachments = rates.generated(rates.Size("floor", 3, 2, 12, 6), seed=1)
     plain = compile_attachments(problem, attachments).read()
-    with_modules = rates.expansion_rate(problem, attachments, 600)
-    with_fluents = rates.expansion_rate(plain, None, 600)
+    with_modules = rates.expansion_rate(problem, attachments, 6_000)
+    with_fluents = rates.expansion_rate(plain, None, 6_000)
     assert with_modules is not None
     assert with_modules > 0
     assert with_fluents is not None
     assert with_fluents > 0
     small, costs = rates.generated(rates.Size("room", 1, 1, 1, 0), seed=1)
-    assert rates.expansion_rate(small, costs, 600) is None
+    assert rates.expansion_rate(small, costs, 6_000) is None

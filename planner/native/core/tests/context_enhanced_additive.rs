@@ -102,13 +102,20 @@ fn durations_waits_and_repetitions_have_their_price() {
         context_enhanced(&empty, &initial(&empty), Costs::Actions),
         Some(5)
     );
-    // A drive costs twice as much as a look, besides one a step.
-    let price = |goal: &str| {
-        let task = robots(3, goal);
-        context_enhanced(&task, &initial(&task), Costs::Durations).unwrap()
-    };
-    let (drive, look) = (price("(at r b)") - 1, price("(seen a)") - 1);
-    assert_eq!(drive, 2 * look);
+    // Four parts of the mean duration are one: of drives alone, each costs four besides one.
+    let task = robots(3, "(at r b)");
+    let cost = context_enhanced(&task, &initial(&task), Costs::Durations);
+    assert_eq!(cost, Some(5));
+    // Of drives and looks, by their share.
+    let task = robots(3, "(seen c)");
+    let relaxed = RelaxedTask::new(&task);
+    let delays: Vec<f64> = (relaxed.actions.iter().map(|action| action.delay))
+        .filter(|delay| *delay > 0.0)
+        .collect();
+    let mean = delays.iter().sum::<f64>() / delays.len() as f64;
+    let priced = |seconds: f64| 1 + (4.0 * seconds / mean).round() as u32;
+    let cost = context_enhanced(&task, &initial(&task), Costs::Durations);
+    assert_eq!(cost, Some(2 * priced(8.0) + priced(4.0)));
     // Half of a running drive is left to wait for.
     let task = robots(3, "(at r b)");
     let compiled = Compiled::new(&task);
@@ -124,15 +131,9 @@ fn durations_waits_and_repetitions_have_their_price() {
         .unwrap();
     assert!(transitions.start(&mut state, drive_off, false));
     assert_eq!(context_enhanced(&task, &state, Costs::Actions), Some(0));
-    assert_eq!(
-        context_enhanced(&task, &state, Costs::Durations),
-        Some(drive)
-    );
+    assert_eq!(context_enhanced(&task, &state, Costs::Durations), Some(4));
     state.time += 4.0;
-    assert_eq!(
-        context_enhanced(&task, &state, Costs::Durations),
-        Some(drive / 2)
-    );
+    assert_eq!(context_enhanced(&task, &state, Costs::Durations), Some(2));
 }
 
 /// Additive costs by going through all actions until nothing changes.
@@ -183,8 +184,8 @@ fn additive_cost(task: &Task, state: &State) -> Option<u32> {
 #[test]
 fn without_groups_there_is_no_context_and_the_additive_cost_is_left() {
     let mut reachable = 0;
-    for seed in 0..400 {
-        let mut task = random_task(seed, 6);
+    for seed in 0..600 {
+        let mut task = random_task(seed, 8);
         task.mutex_groups.clear();
         let state = initial(&task);
         let naive = additive_cost(&task, &state);
@@ -192,7 +193,7 @@ fn without_groups_there_is_no_context_and_the_additive_cost_is_left() {
         assert_eq!(found, naive, "seed {seed}");
         reachable += u32::from(naive.is_some_and(|cost| cost > 1));
     }
-    assert!(reachable > 100, "{reachable}");
+    assert!(reachable > 40, "{reachable}");
 }
 
 /// One robot on a directed graph: the variable's cost is the length of the shortest path.
