@@ -76,5 +76,5 @@ def test_rates_are_told_of_spaces_that_are_large_enough(monkeypatch: pytest.Monk
     assert with_modules > 0
     assert with_fluents is not None
     assert with_fluents > 0
-    small, costs = rates.generated(rates.Size("room", 1, 1, 1, 0), seed=1)
+    small, costs = rates.generated(rates.Size("room", 1, 1, 1, 1), seed=1)
     assert rates.expansion_rate(small, costs, 6_000) is None
