@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import httpx
+import numpy as np
 
 from scenarios.composition import Composition, compose
 from scenarios.exit_codes import NO_SOLUTION, TIME_LIMIT, CommandError
@@ -170,6 +171,7 @@ def record_of(
         version=version("marsupial"),
         status=result.outcome,
         known_share=result.known_share if fleet.explores else None,
+        pose_error_m=_pose_error_m(result),
         status_reason=str(mission["status_reason"] or ""),
         duration_s=result.time_s,
         wall_s=wall_s,
@@ -226,6 +228,13 @@ def record_of(
         ),
         plans=tuple(plans.plans),
     )
+
+
+def _pose_error_m(result: SimulationResult) -> tuple[float, float] | None:
+    if not result.pose_errors:
+        return None
+    off_m = np.concatenate([errors[:, 0] for errors in result.pose_errors.values()])
+    return (float(off_m.mean()), float(off_m.max()))
 
 
 def _frontiers(

@@ -127,6 +127,9 @@ class MissionRecord:
     plans: tuple[PlanRecord, ...]
     mission: str | None = None
     """its id, if this is what a service's log tells: nobody knows of touches or hidden blockades"""
+    pose_error_m: Point | None = None
+    """by how much the robots' beliefs of where they are were off, on average and at most; None
+    without odometry noise"""
     known_share: float | None = None
     """of the free cells of a building that was to be explored, those known in the end"""
 

@@ -114,6 +114,12 @@ class NoiseSection(_Section):
     """Standard deviations of sensing; zero switches a noise off."""
 
     laser_range_m: Annotated[float, Field(ge=0)] = 0.0
+    odometry_m: Annotated[float, Field(ge=0)] = 0.0
+    """of the position after a metre driven; grows with the square root of the way"""
+    odometry_rad: Annotated[float, Field(ge=0)] = 0.0
+    """of the heading after a radian turned"""
+    odometry_rad_per_m: Annotated[float, Field(ge=0)] = 0.0
+    """of the heading after a metre driven"""
 
 
 class CommunicationSection(_Section):

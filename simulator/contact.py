@@ -44,11 +44,12 @@ class Contact(Mapping[str, Knowledge]):
         """
         if self.radio is None:
             return []
-        positions_m = {robot.id: robot.position for robot in robots}
+        positions_m = {robot.id: robot.truth[:2] for robot in robots}
         groups = self.radio.groups(positions_m, {r.id for r in robots if r.has_failed})
         met = self._regroup(groups) if groups != self.groups else []
-        for robot in self.linked:
-            self.last_linked_m[robot] = positions_m[robot]
+        for robot in robots:
+            if robot.id in self.linked:
+                self.last_linked_m[robot.id] = robot.position
         return met
 
     def _regroup(self, groups: Groups) -> list[tuple[str, ...]]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from simulator._core import Floor
 from simulator.fleet_scenario import Point
 from simulator.knowledge import Knowledge
 from simulator.robot import Robot, steer
@@ -33,8 +34,12 @@ _AHEAD_S = 0.5
 class Driving:
     """Drives all robots of a world for one step at a time."""
 
-    def __init__(self, world: World, known: Mapping[str, Knowledge]) -> None:
+    def __init__(
+        self, world: World, known: Mapping[str, Knowledge], walls: Floor | None = None
+    ) -> None:
         self.world = world
+        self.walls = walls
+        """the true ones, which the lasers of robots see that do not know where they are exactly"""
         self.known = known
         """by robot"""
 
@@ -42,7 +47,7 @@ class Driving:
         """Sets every body's velocity; brakes are ideal, so a safe next position is enough."""
         present = [robot for robot in robots if not robot.is_aboard]
         near = _neighbours(present)
-        ahead = {robot.id: robot.position for robot in present}
+        ahead: dict[str, Point] = {robot.id: robot.truth[:2] for robot in present}
         for i, robot in enumerate(present):
             wish = None if robot.is_immovable(time_s) else self._wish(robot, time_s)
             if wish is None:
@@ -53,14 +58,15 @@ class Driving:
             if robot.held_s > _PATIENCE_S and robot.kind.drive != "ackermann":
                 towards = self._past(robot, towards, near[i])
             speed, turn = steer(robot, towards, limit_m_s, step_s)
-            course = robot.heading_rad + 0.5 * turn * step_s
+            x, y, heading_rad = robot.truth
+            course = heading_rad + 0.5 * turn * step_s
             direction = (math.cos(course), math.sin(course))
             share = self._safe_share(robot, direction, speed * step_s, near[i], ahead)
             speed *= share
             if robot.kind.drive == "ackermann":
                 turn *= share
             velocity = (speed * direction[0], speed * direction[1])
-            ahead[robot.id] = (robot.x + velocity[0] * step_s, robot.y + velocity[1] * step_s)
+            ahead[robot.id] = (x + velocity[0] * step_s, y + velocity[1] * step_s)
             if speed != 0.0:
                 robot.held_s = max(0.0, robot.held_s - _RELIEF * step_s)
             else:
@@ -149,45 +155,53 @@ class Driving:
         ahead: dict[str, Point],
     ) -> float:
         """The greatest of some shares of a step whose end touches nothing."""
+        here = robot.truth[:2]
         for share in (1.0, 0.5, 0.2):
             step_m = share * far_m
-            after = (robot.x + step_m * direction[0], robot.y + step_m * direction[1])
-            if self._is_safe(robot, after, near, ahead):
+            after = (here[0] + step_m * direction[0], here[1] + step_m * direction[1])
+            if self._is_safe(robot, here, after, near, ahead):
                 return share
         return 0.0
 
     def _is_safe(
-        self, robot: Robot, after: Point, near: Sequence[Robot], ahead: dict[str, Point]
+        self,
+        robot: Robot,
+        here: Point,
+        after: Point,
+        near: Sequence[Robot],
+        ahead: dict[str, Point],
     ) -> bool:
         radius_m = robot.kind.radius_m
         floor = self.known[robot.id].navigation.floor(robot.kind)
         limit_m = radius_m + _WALL_GAP_M
-        room = floor.clearance(*after, limit_m)
-        if room < limit_m and room < floor.clearance(*robot.position, limit_m):
+        walls = floor if robot.body is None or self.walls is None else self.walls
+        room = walls.clearance(*after, limit_m)
+        if room < limit_m and room < walls.clearance(*here, limit_m):
             return False
-        if floor.is_forbidden(*after) and not floor.is_forbidden(*robot.position):
+        if floor.is_forbidden(*after) and not floor.is_forbidden(*here):
             return False
         for other in near:
             gap = math.dist(after, ahead[other.id])
-            before = math.dist(robot.position, ahead[other.id])
-            apart_m = radius_m + other.kind.radius_m + self._gap_m(robot, other, after)
+            before = math.dist(here, ahead[other.id])
+            apart_m = radius_m + other.kind.radius_m + self._gap_m(robot, other, here, after)
             if gap < apart_m and gap < before:
                 return False
         for blockade in self.world.blockades_near(after, radius_m + _GAP_M):
             gap = math.dist(after, nearest_on_segment(after, blockade.segment_m))
             if gap < radius_m + _GAP_M and gap < math.dist(
-                robot.position, nearest_on_segment(robot.position, blockade.segment_m)
+                here, nearest_on_segment(here, blockade.segment_m)
             ):
                 return False
         return True
 
     @staticmethod
-    def _gap_m(robot: Robot, other: Robot, after: Point) -> float:
+    def _gap_m(robot: Robot, other: Robot, here: Point, after: Point) -> float:
         meets = robot.command is not None and robot.command.partner == other.id
         if robot.timed or meets:
             return _GAP_M
-        step = (after[0] - robot.x, after[1] - robot.y)
-        towards = (other.x - robot.x, other.y - robot.y)
+        x, y, _ = other.truth
+        step = (after[0] - here[0], after[1] - here[1])
+        towards = (x - here[0], y - here[1])
         along = step[0] * towards[0] + step[1] * towards[1]
         straight = along > 0.8 * math.hypot(*step) * math.hypot(*towards)
         return _STAND_OFF_M if straight else _GAP_M

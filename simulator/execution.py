@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 
 from simulator.docking import may_dock, meeting_goals, place_beside
 from simulator.fleet_client import Command
-from simulator.fleet_scenario import FleetScenario, Point
+from simulator.fleet_scenario import FleetScenario, Point, Pose, ScenarioError
 from simulator.knowledge import Ending, Knowledge
 from simulator.navigation import REACH_M, Navigation
 from simulator.robot import Robot
+from simulator.slam.pose import between, compose
 from simulator.world import World
 
 ARRIVED_M = 0.25
@@ -273,8 +274,17 @@ class Execution:
         if place is None:
             rover.activity = "docked"
             return False
+        try:
+            rover.body = _truly(self.robots[rover.carrier], (*place, rover.heading_rad))
+            body = rover.body or (*place, rover.heading_rad)
+            self.world.place(rover.id, rover.kind.radius_m, body)
+        except ScenarioError:
+            if rover.body is None:
+                raise
+            # It is not quite where it believes to be, and there is no room.
+            rover.activity = "docked"
+            return False
         rover.x, rover.y = place
-        self.world.place(rover.id, rover.kind.radius_m, rover.pose)
         rover.carrier = None
         return True
 
@@ -350,6 +360,14 @@ class Execution:
                     outcome,
                 )
             )
+
+
+def _truly(carrier: Robot, pose: Pose) -> Pose | None:
+    """Where a pose beside a carrier truly is; None if the carrier knows exactly where it is."""
+    if carrier.body is None:
+        return None
+    x, y, heading_rad = compose(carrier.body, between(carrier.pose, pose)).tolist()
+    return (x, y, heading_rad)
 
 
 def _id(command: Command | None) -> str | None:

@@ -101,6 +101,12 @@ class Noise:
     """Standard deviations of sensing; zero switches a noise off."""
 
     laser_range_m: float = 0.0
+    odometry_m: float = 0.0
+    """of the position after a metre driven [m]; it grows with the square root of the way"""
+    odometry_rad: float = 0.0
+    """of the heading after a radian turned [rad]; it grows with the square root of the turns"""
+    odometry_rad_per_m: float = 0.0
+    """of the heading after a metre driven [rad]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,14 +30,15 @@ def notice(
         known.see_gone(blockade)
     for other in robots:
         dead = other.has_failed and not other.is_aboard and other.id not in known.dead
-        if dead and _sees(robot, other.position, walls):
+        if dead and _sees(robot, other.truth[:2], walls):
             known.see_dead(other.id, (other.x, other.y, other.kind.radius_m))
     return bool(gone)
 
 
 def _sees(robot: Robot, place: Point, walls: Floor) -> bool:
-    return math.dist(robot.position, place) <= robot.kind.sensor_range_m and walls.leg_is_clear(
-        *robot.position, *place, 0.0
+    here = robot.truth[:2]
+    return math.dist(here, place) <= robot.kind.sensor_range_m and walls.leg_is_clear(
+        *here, *place, 0.0
     )
 
 

@@ -24,6 +24,8 @@ class Robot:
     x: float
     y: float
     heading_rad: float
+    body: Pose | None = None
+    """where it truly is, if that is not where it believes to be"""
     carrier: str | None = None
     """the robot it rides on"""
     activity: str = "idle"
@@ -66,6 +68,11 @@ class Robot:
     def pose(self) -> Pose:
         """Position and heading."""
         return (self.x, self.y, self.heading_rad)
+
+    @property
+    def truth(self) -> Pose:
+        """Where its body is; the pose is what it believes."""
+        return self.body or (self.x, self.y, self.heading_rad)
 
     @property
     def is_aboard(self) -> bool:

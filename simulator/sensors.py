@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator._core import Floor
-from simulator.fleet_scenario import HiddenBlockade
+from simulator.fleet_scenario import HiddenBlockade, Point
 from simulator.robot import Robot
 from simulator.segment_geometry import nearest_on_segment
 
@@ -22,7 +22,7 @@ class Scan:
     robot: str
     time_s: float
     pose: tuple[float, float, float]
-    """in the map frame"""
+    """in the map frame, as the robot believes"""
     range_m: float
     """the sensor's range: beams that met nothing show it"""
     ranges_m: NDArray[np.float32]
@@ -51,16 +51,17 @@ class RangeFinder:
         """One sweep; `others` have bodies in the building."""
         kind = robot.kind
         reach = kind.sensor_range_m
-        near = [b for b in blockades if _distance(robot, b) <= reach]
+        x, y, heading_rad = robot.truth
+        near = [b for b in blockades if _distance((x, y), b) <= reach]
         discs = [
-            (other.x, other.y, other.kind.radius_m)
+            (*body[:2], other.kind.radius_m)
             for other in others
-            if other is not robot and math.dist(other.position, robot.position) <= reach + 1.0
+            if other is not robot and math.dist((body := other.truth)[:2], (x, y)) <= reach + 1.0
         ]
         ranges_m, met = self.floor.scan(
-            robot.x,
-            robot.y,
-            robot.heading_rad,
+            x,
+            y,
+            heading_rad,
             reach,
             kind.beams,
             [(*b.segment_m[0], *b.segment_m[1]) for b in near],
@@ -68,7 +69,7 @@ class RangeFinder:
         )
         seen = {near[index].id for index in met}
         # A bumper: what stands directly before the body is felt even between two beams.
-        seen |= {b.id for b in near if _distance(robot, b) < kind.radius_m + 0.1}
+        seen |= {b.id for b in near if _distance((x, y), b) < kind.radius_m + 0.1}
         if self.noise_m > 0.0:
             hit = ranges_m < reach
             noisy = ranges_m + random.normal(0.0, self.noise_m, len(ranges_m)).astype(np.float32)
@@ -78,5 +79,5 @@ class RangeFinder:
         )
 
 
-def _distance(robot: Robot, blockade: HiddenBlockade) -> float:
-    return math.dist(robot.position, nearest_on_segment(robot.position, blockade.segment_m))
+def _distance(position: Point, blockade: HiddenBlockade) -> float:
+    return math.dist(position, nearest_on_segment(position, blockade.segment_m))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from simulator.mission_request import mission_request
 from simulator.navigation import Navigation
 from simulator.noticing import notice
 from simulator.occupancy_grid import read_map_server
+from simulator.pose_tracking import PoseTracking, drifts
 from simulator.radio import Radio
 from simulator.reporting import Reporting
 from simulator.right_of_way import RightOfWay
@@ -79,6 +80,8 @@ class SimulationResult:
     """motions planned to let somebody pass"""
     give_way_failures: int
     commands_failed: int
+    pose_errors: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    """robot -> (samples, 2): by how much its belief was off [m], [rad]; empty without drift"""
     known_share: float = 1.0
     """share of the building's free cells that the fleet knows in the end"""
 
@@ -113,7 +116,10 @@ class Simulation:
         )
         self.execution = Execution(scenario, self.world, self.contact, self.robots)
         self.right_of_way = RightOfWay(self.contact)
-        self.driving = Driving(self.world, self.contact)
+        self.driving = Driving(self.world, self.contact, walls)
+        self.tracking = (
+            PoseTracking(scenario.noise, scenario.seed) if drifts(scenario.noise) else None
+        )
         self.homing = Homing(self.contact, self.execution)
         self.reporting = Reporting(scenario, client, self.contact, self.robots)
         self.mission = MissionState("queued", 0, len(scenario.targets), 0)
@@ -186,7 +192,7 @@ class Simulation:
             blockades_known=len(self._sensed),
             blockades_cleared=len(self._cleared),
             replans=self.mission.replans,
-            poses={robot.id: robot.pose for robot in self.robots.values()},
+            poses={robot.id: robot.truth for robot in self.robots.values()},
         )
 
     # --- parts of a step ---
@@ -231,6 +237,8 @@ class Simulation:
             known = self.contact[robot.id]
             near = self.world.blockades_near(robot.position, robot.kind.sensor_range_m)
             scan = self.range_finder.scan(robot, present, near, self.clock.time_s, self.random)
+            if self.tracking is not None and self.tracking.is_due(robot, self.clock.time_s):
+                self.tracking.correct(robot, scan, known.navigation.grid)
             if known.sensed_map is not None:
                 mates = [(r.x, r.y, r.kind.radius_m) for r in present if r is not robot]
                 known.sensed_map.insert(scan, mates)
@@ -265,15 +273,21 @@ class Simulation:
         for robot in self.robots.values():
             if robot.is_aboard:
                 continue
-            x, y, heading_rad = self.world.pose(robot.id)
-            robot.driven_m += math.hypot(x - robot.x, y - robot.y)
-            robot.x, robot.y, robot.heading_rad = x, y, heading_rad
+            body = self.world.pose(robot.id)
+            before = robot.truth
+            robot.driven_m += math.hypot(body[0] - before[0], body[1] - before[1])
+            if self.tracking is None:
+                robot.x, robot.y, robot.heading_rad = body
+            else:
+                self.tracking.move(robot, body)
             if robot.activity == "driving" or robot.is_busy:
                 self._active_s = self.clock.time_s
         for robot in self.robots.values():
             if robot.carrier is not None:
                 carrier = self.robots[robot.carrier]
                 robot.x, robot.y, robot.heading_rad = carrier.pose
+                if self.tracking is not None:
+                    self.tracking.board(robot, carrier)
 
     def _note_cleared(self) -> None:
         standing = self.world.blockades()
@@ -286,7 +300,9 @@ class Simulation:
     def _track(self) -> None:
         now_s = self.clock.time_s
         for robot in self.robots.values():
-            self._tracks[robot.id].append((now_s, robot.x, robot.y, robot.heading_rad))
+            self._tracks[robot.id].append((now_s, *robot.truth))
+            if self.tracking is not None:
+                self.tracking.note(robot)
 
     def _report(self) -> None:
         self.mission = self.reporting.report(self.execution, self.clock.time_s)
@@ -321,6 +337,11 @@ class Simulation:
             contacts=self.world.contacts,
             give_ways=self.right_of_way.plans,
             give_way_failures=self.right_of_way.failures,
+            pose_errors=(
+                {}
+                if self.tracking is None
+                else {robot: np.array(error) for robot, error in self.tracking.errors.items()}
+            ),
             known_share=self._known_share(),
             commands_failed=sum(action.outcome == "failed" for action in self.execution.actions),
         )

@@ -65,4 +65,12 @@ def figures_of(record: MissionRecord) -> list[tuple[str, str]]:
             f"{record.wall_collisions} with walls, {record.robot_collisions} between robots",
         ),
         ("driven", f"{record.distance_m:.0f} m by all robots"),
+        *_beliefs(record),
     ]
+
+
+def _beliefs(record: MissionRecord) -> list[tuple[str, str]]:
+    if record.pose_error_m is None:
+        return []
+    mean_m, most_m = record.pose_error_m
+    return [("beliefs", f"off by {mean_m:.3f} m on average, {most_m:.2f} m at most")]
