@@ -109,16 +109,18 @@ class Navigation:
 
     def reaches(self, robot: Robot, blockade: HiddenBlockade) -> bool:
         """Whether the robot stands at the blockade's edge, with no wall between."""
-        nearest = nearest_on_segment(robot.position, blockade.segment_m)
-        far = math.dist(robot.position, nearest)
+        # Both are seen or felt by the robot itself, wherever it believes to be.
+        x, y, _ = robot.truth
+        nearest = nearest_on_segment((x, y), blockade.segment_m)
+        far = math.dist((x, y), nearest)
         if far > robot.kind.radius_m + REACH_M + 0.05:
             return False
         ratio = max(0.0, far - 0.1) / max(far, 1e-9)
         before = (
-            robot.x + ratio * (nearest[0] - robot.x),
-            robot.y + ratio * (nearest[1] - robot.y),
+            x + ratio * (nearest[0] - x),
+            y + ratio * (nearest[1] - y),
         )
-        return self.walls.leg_is_clear(*robot.position, *before, 0.0)
+        return self.walls.leg_is_clear(x, y, *before, 0.0)
 
     def approaches(self, robot: Robot, blockade: HiddenBlockade) -> list[Point]:
         """Where the robot could stand to reach the blockade."""

@@ -11,6 +11,9 @@ from simulator.knowledge import Knowledge
 from simulator.robot import Robot
 from simulator.world import World
 
+_SIGHT_M = 1e-6
+"""half the width of a line of sight: it ends at walls, and passes beside them"""
+
 
 def notice(
     robot: Robot, known: Knowledge, robots: Iterable[Robot], world: World, walls: Floor
@@ -38,7 +41,7 @@ def notice(
 def _sees(robot: Robot, place: Point, walls: Floor) -> bool:
     here = robot.truth[:2]
     return math.dist(here, place) <= robot.kind.sensor_range_m and walls.leg_is_clear(
-        *here, *place, 0.0
+        *here, *place, _SIGHT_M
     )
 
 
