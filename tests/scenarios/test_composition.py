@@ -9,7 +9,8 @@ import pytest
 import scenarios
 from scenarios.composition import compose
 from scenarios.maps.free_space import component_at, components
-from scenarios.scenario_file import read_scenario
+from scenarios.scenario_file import CommunicationSection, NoiseSection, read_scenario
+from simulator.fleet_scenario import Communication
 
 HOSPITAL = Path(scenarios.__file__).parent / "disaster" / "hospital.toml"
 
@@ -74,3 +75,32 @@ def test_rovers_start_aboard_and_carriers_on_their_own_terrain(tmp_path: Path) -
     alone = scenario.model_copy(update={"team": {"carrier": 0, "rover": 1}})
     with pytest.raises(ValueError, match="rover needs a carrier to ride on"):
         compose(alone, seed=1, folder=tmp_path)
+
+
+def test_large_teams_find_room(tmp_path: Path) -> None:
+    folder = HOSPITAL.parents[1]
+    team = compose(
+        read_scenario(folder / "marsupial" / "large_team.toml"), seed=1, folder=tmp_path
+    ).fleet.robots
+    riders = [robot.carrier for robot in team if robot.carrier is not None]
+    assert (len(team), len(riders)) == (24, 18)
+    assert all(riders.count(carrier) == 3 for carrier in riders)
+    crowd = compose(
+        read_scenario(folder / "disaster" / "stress.toml"), seed=1, folder=tmp_path
+    ).fleet.robots
+    assert len({robot.pose[:2] for robot in crowd}) == 100
+
+
+def test_radio_and_drift_reach_the_fleet(tmp_path: Path) -> None:
+    scenario = read_scenario(HOSPITAL)
+    plain = compose(scenario, seed=1, folder=tmp_path).fleet
+    assert plain.communication is None
+    limited = scenario.model_copy(
+        update={
+            "communication": CommunicationSection(range_m=20.0, base_m=(3.0, 4.0)),
+            "noise": NoiseSection(odometry_m=0.05),
+        }
+    )
+    fleet = compose(limited, seed=1, folder=tmp_path).fleet
+    assert fleet.communication == Communication(20.0, (3.0, 4.0), 600.0)
+    assert fleet.noise.odometry_m == 0.05
