@@ -9,7 +9,8 @@ from html import escape
 from scenarios.batch.comparison import Interval
 from scenarios.report.markup import element, title
 
-WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 1000, 340, 62, 16, 58
+_STEPS = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
+WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 1000, 352, 62, 28, 58
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ def bars(groups: Sequence[str], series: Sequence[Series], unit: str) -> str:
 
     wide = (WIDTH - LEFT - 8) / max(1, len(groups))
     bar = min(26.0, 0.8 * wide / max(1, len(series)))
-    drawn = [_grid(top, y), element("text", escape(unit), class_="unit", x=0, y=TOP - 3)]
+    drawn = [_grid(top, y), element("text", escape(unit), class_="unit", x=0, y=12)]
     for k, group in enumerate(groups):
         middle = LEFT + wide * (k + 0.5)
         for s, one in enumerate(series):
@@ -89,10 +90,10 @@ def _grid(top: float, y: Callable[[float], float]) -> str:
 
 
 def _round_up(value: float) -> float:
-    """The next number of 1, 2, 4, 6 or 8 times a power of ten."""
+    """The next number whose quarters are short: 1, 1.2, 1.6, 2, ... times a power of ten."""
     power = 1.0
     while power * 10 <= value:
         power *= 10
     while power > value:
         power /= 10
-    return next(step * power for step in (1, 2, 4, 6, 8, 10) if step * power >= value)
+    return next(step * power for step in _STEPS if step * power >= value)

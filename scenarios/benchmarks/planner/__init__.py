@@ -1,4 +1,5 @@
-"""The planner against its peers: disaster and marsupial instances, IPC suites, replanning, rates.
+"""The planner against its peers: disaster and marsupial instances, IPC suites; replanning, rates,
+large teams.
 
 Times are CPU seconds of one engine's processes, from reading the files on. Every plan that counts
 has passed the validator. IPC and instance files are read from `../shared/data`; what is absent is
@@ -10,7 +11,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from scenarios.benchmarks.planner import rates, replanning
+from scenarios.benchmarks.planner import large_team, rates, replanning
 from scenarios.benchmarks.planner.contest import Run, run_engine
 from scenarios.benchmarks.planner.engines import installed_engines
 from scenarios.benchmarks.planner.instances import Instance, families, ipc_instances
@@ -54,6 +55,8 @@ def run(
         parts.append(replanning.run(quick=quick))
     if not domains or any(word in "rates" for word in domains):
         parts.append(rates.run(DATA / "instances", quick=quick))
+    if not domains or any(word in "large-team" for word in domains):
+        parts.append(large_team.run(quick=quick))
     return "\n\n".join(part for part in parts if part) + "\n"
 
 

@@ -252,7 +252,10 @@ impl Exploration {
             if add.proposition == target && !admits(propositions, rule_index, restriction) {
                 continue;
             }
-            let reached = time + if add.at_end { duration } else { 0.0 };
+            // The operator that achieves the target has to be paid for to its end, even if the target
+            // holds from its start on.
+            let lasts = add.at_end || add.proposition == target;
+            let reached = time + if lasts { duration } else { 0.0 };
             let value = reached + labelling.effort * cost;
             let priority = value + weight * ahead;
             if priority >= *bound {

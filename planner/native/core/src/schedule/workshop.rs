@@ -138,6 +138,24 @@ impl Workshop {
         best.map(|(_, dispatch)| dispatch)
     }
 
+    /// The label of a proposition behind the list, infinite if the relaxation does not reach it.
+    pub fn label(&mut self, target: u32, labelling: Labelling) -> f32 {
+        let mut plan = self.plans.pop().unwrap_or_default();
+        let label = self.exploration.relaxed_plan(
+            Question {
+                model: &self.model,
+                propositions: &self.propositions,
+                state: &self.state,
+                target,
+                labelling,
+                restriction: Restriction::default(),
+            },
+            &mut plan,
+        );
+        self.plans.push(plan);
+        label
+    }
+
     /// Appends operators until a proposition holds: executes relaxed plans as far as they are
     /// executable. What was appended stays if it fails.
     pub fn achieve(
