@@ -9,6 +9,12 @@ from html import escape
 from scenarios.batch.comparison import Interval
 from scenarios.report.markup import element, title
 
+_INKS = ("#1d6fd6", "#0b8f7a", "#c2570c", "#a3269b", "#6a7a00", "#5b4bd1", "#b01e4f", "#7a5a2e")
+_STYLE = (
+    "text { font: 12px system-ui, sans-serif; fill: #16202b } .tick { text-anchor: end } "
+    ".group { text-anchor: middle } .grid { stroke: #dfe4ea } "
+    ".error { stroke: #16202b; stroke-width: 1.3px; fill: none } "
+)
 _STEPS = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 1000, 352, 62, 28, 58
 
@@ -45,6 +51,28 @@ def bars(groups: Sequence[str], series: Sequence[Series], unit: str) -> str:
             for n, line in enumerate(group.split(" + "))
         ]
     return element("svg", "".join(drawn), class_="figure", viewBox=f"0 0 {WIDTH} {HEIGHT}")
+
+
+def file(groups: Sequence[str], series: Sequence[Series], unit: str) -> str:
+    """The same chart as a file of its own: with colours, a ground and a legend."""
+    inks = "".join(f".robot-{k} {{ fill: {ink} }} " for k, ink in enumerate(_INKS))
+    keys = []
+    x = float(LEFT)
+    for k, one in enumerate(series):
+        keys.append(
+            element("rect", class_=f"robot-{k % 8}", x=x, y=HEIGHT + 4, width=12, height=12, rx=2)
+            + element("text", escape(one.name), x=x + 18, y=HEIGHT + 14)
+        )
+        x += 34 + 6.6 * len(one.name)
+    ground = element("rect", fill="#fff", width=WIDTH, height=HEIGHT + 26)
+    return element(
+        "svg",
+        f"<style>{_STYLE}{inks}</style>{ground}{bars(groups, series, unit)}{''.join(keys)}",
+        xmlns="http://www.w3.org/2000/svg",
+        viewBox=f"0 0 {WIDTH} {HEIGHT + 26}",
+        width=WIDTH,
+        height=HEIGHT + 26,
+    )
 
 
 def _bar(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
 from math import isnan
 from pathlib import Path
 
+from scenarios.batch import figure
 from scenarios.batch.comparison import Comparison, Interval, Measure, Row
 from scenarios.batch.figure import Series, bars
 from scenarios.batch.findings import CONDITIONS, COUNTS, NOT_ACCEPTED, Findings
@@ -34,6 +36,10 @@ def write(found: Findings, folder: Path) -> Path:
     _write_runs(found.rows, folder / "runs.csv")
     _write_parquet(found.rows, folder / "runs.parquet")
     _write_comparisons(found.comparisons, folder / "comparisons.csv")
+    for entry in found.suite.maps:
+        for measure in found.measures(entry):
+            drawn = figure.file(*_chart(found, entry, measure))
+            (folder / _figure_name(entry, measure)).write_text(drawn, encoding="utf-8")
     (folder / "report.md").write_text(markdown(found), encoding="utf-8")
     path = folder / "report.html"
     path.write_text(page(found), encoding="utf-8")
@@ -48,7 +54,9 @@ def markdown(found: Findings) -> str:
         for measure in found.measures(entry):
             compared = found.of(entry, measure)
             if compared:
-                lines += [f"## {_heading(entry, measure)}", "", *_table(COLUMNS, compared), ""]
+                title = _heading(entry, measure)
+                lines += [f"## {title}", "", f"![{title}]({_figure_name(entry, measure)})", ""]
+                lines += [*_table(COLUMNS, compared), ""]
     for title, names, rows in _summaries(found):
         lines += [f"## {title}", "", f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
         lines += [*(f"| {' | '.join(row)} |" for row in rows), ""]
@@ -165,18 +173,29 @@ def _html_table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return f'<div class="scroll"><table><tr>{head}</tr>{body}</table></div>'
 
 
-def _section(found: Findings, entry: MapEntry, measure: Measure) -> str:
+def _figure_name(entry: MapEntry, measure: Measure) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", f"{entry.name} {measure.name}".lower()) + ".svg"
+
+
+def _chart(
+    found: Findings, entry: MapEntry, measure: Measure
+) -> tuple[list[str], list[Series], str]:
     strategies = found.strategies(entry)
     values = found.values(entry, measure, strategies)
     series = [
         Series(strategy, tuple(of_team[k] for of_team in values.values()))
         for k, strategy in enumerate(strategies)
     ]
+    return list(values), series, f"{measure.name} [{measure.unit}]"
+
+
+def _section(found: Findings, entry: MapEntry, measure: Measure) -> str:
+    names, series, unit = _chart(found, entry, measure)
     legend = "".join(
         f'<li><i class="key line robot-{k % 8}"></i>{escape(one.name)}</li>'
         for k, one in enumerate(series)
     )
-    chart = bars(list(values), series, f"{measure.name} [{measure.unit}]")
+    chart = bars(names, series, unit)
     compared = found.of(entry, measure)
     table = _html_table(COLUMNS, (_cells(c) for c in compared)) if compared else ""
     return (

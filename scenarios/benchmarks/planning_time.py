@@ -20,8 +20,9 @@ from tempfile import TemporaryDirectory
 import planner
 from domains import catalogue
 from domains.mission_state import BlockadeState, MissionState, RobotState, Target
+from scenarios.batch import figure as charts
 from scenarios.batch.comparison import Interval, mean_interval
-from scenarios.batch.figure import Series, bars
+from scenarios.batch.figure import Series
 from scenarios.maps.files import write_plan
 from scenarios.maps.generators import GENERATORS
 from scenarios.maps.placement import place
@@ -51,10 +52,14 @@ class Measurement:
     proved: bool
 
 
-def run(*, quick: bool, out: Path) -> str:
-    """Plans for samples of the power plant's targets and blockades, at several sizes."""
+def run(*, quick: bool, out: Path, seconds: float | None = None) -> str:
+    """Plans for samples of the power plant's targets and blockades, at several sizes.
+
+    `seconds` is the limit of a search [s]: 60 if None, 2 for `quick`.
+    """
     sizes = SIZES[1:6:2] if quick else SIZES
     limit_s, seeds = (2.0, 2) if quick else (60.0, 10)
+    limit_s = seconds or limit_s
     found = [measured(size, seed, limit_s) for size in sizes for seed in range(1, seeds + 1)]
     measurements = [one for one in found if one is not None]
     (out / "planning_time.json").write_text(
@@ -135,7 +140,8 @@ def figure(measurements: Sequence[Measurement]) -> str:
         Series("first plan", values("first_s")),
         Series("within 5 % of the best", values("close_s")),
     ]
-    return bars([str(size) for size in sizes], series, "CPU time [ms]")
+    names = [f"{size} targets" for size in sizes]
+    return charts.file(names, series, "CPU time [ms]")
 
 
 def _power_plant(size: int, seed: int) -> tuple[MissionState, GridMap]:

@@ -79,3 +79,20 @@ def test_files_hold_every_row(tmp_path: Path) -> None:
         "2 explorer + 1 clearer",
     ]
     assert float(compared[0]["gain"]) > 0.2
+    (drawn,) = tmp_path.glob("*.svg")
+    assert drawn.name == "floor_mission_time.svg"
+    assert f"]({drawn.name})" in (tmp_path / "report.md").read_text(encoding="utf-8")
+    figure = ElementTree.fromstring(drawn.read_text(encoding="utf-8"))
+    texts = {text.text for text in figure.iter("{http://www.w3.org/2000/svg}text")}
+    assert {"planner", "hungarian", "mission time [s]"} <= texts
+
+
+def test_explorations_are_compared_by_quality_too() -> None:
+    explored = [
+        {**row, "area_m2": 500.0, "distance_m": 100.0 if row["strategy"] == "planner" else 125.0}
+        for row in rows()
+    ]
+    found = findings(SUITE, explored)
+    quality = [c for c in found.comparisons if c.measure.unit == "m²/m"]
+    assert [round(c.gain.mean, 3) for c in quality] == [0.25, 0.25]
+    assert "exploration quality" in page(found)

@@ -84,7 +84,11 @@ impl Workshop {
             let label = self.label(goal, labelling);
             // Non-negative floats are ordered like their bits.
             let key = label.max(0.0).to_bits();
-            if label.is_finite() && waiting.peek().is_some_and(|Reverse((least, _))| *least < key) {
+            if label.is_finite()
+                && waiting
+                    .peek()
+                    .is_some_and(|Reverse((least, _))| *least < key)
+            {
                 waiting.push(Reverse((key, goal)));
                 continue;
             }
