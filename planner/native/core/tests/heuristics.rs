@@ -135,3 +135,43 @@ fn decision_epochs_are_searched_under_every_heuristic() {
         assert_eq!(run(), (plans, outcome), "{name}");
     }
 }
+
+/// The limit holds in each space.
+#[test]
+fn no_more_nodes_are_taken_than_allowed() {
+    let mut domain = String::from(TOUR);
+    domain = domain.replace("look", "survey");
+    let (domain, _) = read_domain(&SourceFile::new("domain", domain));
+    let domain = domain.unwrap();
+    let places: String = (0..9).map(|place| format!(" p{place}")).collect();
+    let mut ways = String::new();
+    for from in 0..9 {
+        for to in 0..9 {
+            ways += &format!(" (way p{from} p{to})");
+        }
+    }
+    let goals: String = (0..9).map(|place| format!(" (seen p{place})")).collect();
+    let text = format!(
+        "(define (problem p) (:domain tour) (:objects r s - robot{places} - place)
+         (:init (at r p0) (at s p0){ways}) (:goal (and{goals})))"
+    );
+    let (problem, _) = read_problem(&SourceFile::new("problem", text), &domain);
+    let problem = problem.unwrap();
+    for space in [Space::Portfolio, Space::DecisionEpochs] {
+        for limit in [100, 700, 3_000] {
+            let options = SolveOptions {
+                space,
+                node_limit: Some(limit),
+                timeout: None,
+                ..SolveOptions::default()
+            };
+            let report = solve(&domain, &problem, &NoAttachments, &options, &mut |_| {}).unwrap();
+            let nodes = report.schedules + report.expansions;
+            assert!(
+                nodes <= limit + limit / 20 + 1,
+                "{space:?} {limit}: {nodes}"
+            );
+            assert!(nodes > limit / 2, "{space:?} {limit}: {nodes}");
+        }
+    }
+}

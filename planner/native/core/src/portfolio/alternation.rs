@@ -120,6 +120,8 @@ pub(super) fn run(
             let end = Instant::now() + turn_time.mul_f64(share);
             let timed = setting.options.node_limit.is_none();
             let mut budget = ((turn_nodes as f64 * share) as u64).max(16);
+            let spent = incumbent.report.schedules + search.statistics.expansions + sequential;
+            budget = budget.min(setting.nodes_left(spent));
             search.set_bound(incumbent.bound());
             loop {
                 let before = search.statistics.expansions;
@@ -192,11 +194,16 @@ pub(super) fn run(
             let end = Instant::now() + turn_time.mul_f64(PRELUDE_SHARE);
             let timed = setting.options.node_limit.is_none();
             let before = prelude.statistics();
+            let spent = incumbent.report.schedules + search.statistics.expansions + sequential;
             let found = prelude.run(
                 setting,
                 &compressed,
                 &tables,
-                if timed { u64::MAX >> 1 } else { turn_nodes },
+                if timed {
+                    u64::MAX >> 1
+                } else {
+                    turn_nodes.min(setting.nodes_left(spent))
+                },
                 &mut || (timed && Instant::now() >= end) || setting.interrupted().is_some(),
             );
             let spent = prelude.statistics();

@@ -95,6 +95,12 @@ impl<'a> Setting<'a> {
         self.options.interrupted(self.begun)
     }
 
+    /// How many nodes the limit leaves; very many if there is none.
+    fn nodes_left(&self, spent: u64) -> u64 {
+        let limit = self.options.node_limit;
+        limit.map_or(u64::MAX >> 1, |limit| limit.saturating_sub(spent))
+    }
+
     fn tell(&self, states: u64, lower_bound: f64) {
         if let Some(progress) = self.options.progress {
             progress.tell(states, lower_bound);
