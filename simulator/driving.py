@@ -211,7 +211,7 @@ def _neighbours(present: Sequence[Robot], within_m: float = 2.5) -> list[list[Ro
     """For each robot those close to it."""
     near: list[list[Robot]] = [[] for _ in present]
     if len(present) > _FEW:
-        at = np.array([robot.position for robot in present])
+        at = np.array([(robot.x, robot.y) for robot in present])
         apart = np.abs(at[:, None, :] - at[None, :, :]).max(axis=2)
         np.fill_diagonal(apart, np.inf)
         for i, j in np.argwhere(apart < within_m).tolist():

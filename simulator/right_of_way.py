@@ -228,11 +228,10 @@ class RightOfWay:
     def _give_way(self, robot: Robot, before: _Before, goals: list[Point], time_s: float) -> bool:
         """Plans a motion around those before; False if there is none."""
         self.plans += 1
-        motions_before = [before.motion_of(other) for other in before.robots]
         motions = [
-            ([(float(x), float(y)) for x, y in motion], gap)
-            for motion, gap in zip(motions_before, before.apart_m, strict=True)
-            if math.dist(motion[0], robot.position) < self.settings.near_m
+            ([(x, y) for x, y in before.motion_of(other).tolist()], gap)
+            for other, gap in zip(before.robots, before.apart_m, strict=True)
+            if math.dist(other.position, robot.position) < self.settings.near_m
         ]
         navigation = self.known[robot.id].navigation
         plan = navigation.floor(robot.kind).timed_route(

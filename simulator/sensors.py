@@ -53,11 +53,7 @@ class RangeFinder:
         reach = kind.sensor_range_m
         x, y, heading_rad = robot.truth
         near = [b for b in blockades if _distance((x, y), b) <= reach]
-        discs = [
-            (*body[:2], other.kind.radius_m)
-            for other in others
-            if other is not robot and math.dist((body := other.truth)[:2], (x, y)) <= reach + 1.0
-        ]
+        discs = _discs_near(robot, others, (x, y), reach + 1.0)
         ranges_m, met = self.floor.scan(
             x,
             y,
@@ -77,6 +73,26 @@ class RangeFinder:
         return Scan(
             robot.id, time_s, robot.pose, reach, ranges_m, tuple(b.id for b in near if b.id in seen)
         )
+
+
+def _discs_near(
+    robot: Robot, others: Sequence[Robot], at: Point, within_m: float
+) -> list[tuple[float, float, float]]:
+    """The bodies of others as x, y, radius, of those that are near."""
+    x, y = at
+    discs = []
+    for other in others:
+        body = other.body
+        if body is None:
+            far_x, far_y = other.x - x, other.y - y
+        else:
+            far_x, far_y = body[0] - x, body[1] - y
+        # Compared along the axes first: most of a large fleet is far away.
+        if -within_m <= far_x <= within_m and -within_m <= far_y <= within_m:
+            place = other.truth[:2]
+            if other is not robot and math.dist(place, at) <= within_m:
+                discs.append((*place, other.kind.radius_m))
+    return discs
 
 
 def _distance(position: Point, blockade: HiddenBlockade) -> float:

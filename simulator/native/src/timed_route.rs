@@ -36,6 +36,9 @@ pub struct Window {
 /// A position at a time after the start [s].
 pub type TimedPoint = (f64, Point);
 
+/// More than rounding makes of a position in a box.
+const BOX_GAP_M: f64 = 1e-6;
+
 struct State {
     node: usize,
     time_s: f64,
@@ -65,8 +68,17 @@ pub fn timed_route(
             motion.apart_m.min(now.min(at_node) - 1e-3)
         })
         .collect();
+    let boxes: Vec<[Point; 2]> = motions.iter().map(bounding_box).collect();
     let conflicts = |from: Point, to: Point, begin_s: f64, duration_s: f64| {
-        motions.iter().zip(&apart).any(|(motion, &apart)| {
+        let near = motions.iter().zip(&apart).zip(&boxes);
+        near.into_iter().any(|((motion, &apart), &[low, high])| {
+            let is_far = (0..2).any(|axis| {
+                from[axis].max(to[axis]) < low[axis] - apart - BOX_GAP_M
+                    || from[axis].min(to[axis]) > high[axis] + apart + BOX_GAP_M
+            });
+            if is_far {
+                return false;
+            }
             let checks = (duration_s / 0.2).ceil().max(1.0) as usize;
             (1..=checks).any(|check| {
                 let ratio = check as f64 / checks as f64;
@@ -139,6 +151,19 @@ pub fn timed_route(
         });
     }
     None
+}
+
+/// Lower left and upper right corner of all positions of a motion.
+fn bounding_box(motion: &Motion) -> [Point; 2] {
+    motion.positions.iter().fold(
+        [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]],
+        |[low, high], at| {
+            [
+                [low[0].min(at[0]), low[1].min(at[1])],
+                [high[0].max(at[0]), high[1].max(at[1])],
+            ]
+        },
+    )
 }
 
 fn position_at(motion: &Motion, time_s: f64, period_s: f64) -> Point {
