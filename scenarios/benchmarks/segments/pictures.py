@@ -90,7 +90,8 @@ def _enlarged(colours: Colours) -> Image.Image:
 def _distances(cells: NDArray[np.int8], found: Segmentation) -> Image.Image:
     colours = _base(cells)
     free = (cells >= 0) & (cells < 50)
-    shade = 255 - np.clip(found.clearance_cells * 12, 0, 215)
+    widest = float(found.clearance_cells[free].max(initial=1.0))
+    shade = 255.0 - 215.0 * found.clearance_cells / widest
     colours[free] = shade[free, None].astype(np.uint8)
     return _enlarged(colours)
 
