@@ -24,6 +24,8 @@ from scenarios.exploration.buildings import generated
 from scenarios.exploration.experiments import Row, run_all
 
 DRAWN = ("large_rooms", "small_rooms")
+LEAST_PAIRS_DRAWN = 3
+"""The interval of two pairs would set the scale of a figure and say nothing."""
 PICTURES = (("small_rooms", 45.0), ("large_rooms", 120.0))
 """buildings and the times of the decisions that are drawn [s]"""
 
@@ -62,7 +64,7 @@ def report(rows: Sequence[Row], *, quick: bool, out: Path) -> str:
     parts += ["## Real buildings", ""]
     for name in REAL_BUILDINGS:
         if name in of:
-            parts += _experiment(name, of[name], out)
+            parts += _experiment(name, of[name], out, level=3)
         elif not quick:
             parts += [f"The map of {name} is not in ../shared/data: left out.", ""]
     if quick:
@@ -79,7 +81,7 @@ def report(rows: Sequence[Row], *, quick: bool, out: Path) -> str:
     return "\n".join(parts)
 
 
-def _experiment(name: str, rows: list[Row], out: Path) -> list[str]:
+def _experiment(name: str, rows: list[Row], out: Path, level: int = 2) -> list[str]:
     """One experiment's table and figure; nothing without pairs."""
     arms = [arm for arm in dict.fromkeys(row["strategy"] for row in rows) if arm != BASELINE]
     comparisons = [c for arm in arms for c in compare(rows, arm, BASELINE)]
@@ -87,12 +89,15 @@ def _experiment(name: str, rows: list[Row], out: Path) -> list[str]:
         return []
     comparisons.sort(key=lambda c: (int(c.team.split()[0]), arms.index(c.strategy)))
     failed = sum(row["status"] != "completed" for row in rows)
-    parts = [f"## {name}", "", *comparison_table(comparisons, rows), ""]
+    parts = [f"{'#' * level} {name}", "", *comparison_table(comparisons, rows), ""]
     if failed:
         parts += [f"{failed} of {len(rows)} runs did not complete and are left out.", ""]
+    drawn = [c for c in comparisons if c.pairs >= LEAST_PAIRS_DRAWN]
+    if not drawn:
+        return parts
     file = f"{name.replace(', ', '_').replace(' ', '_')}.svg"
     (out / file).write_text(
-        improvement_figure(f"{name}: time saved against nearest frontier", comparisons),
+        improvement_figure(f"{name}: time saved against nearest frontier", drawn),
         encoding="utf-8",
     )
     return [*parts, f"![time saved]({file})", ""]
