@@ -39,6 +39,15 @@ def test_they_dock_within_reach_of_one_another(navigation: Navigation) -> None:
     assert not may_dock(*far, far, navigation)
 
 
+def test_they_do_not_dock_through_a_wall(navigation: Navigation) -> None:
+    both = pair((4.3, 3.0), (5.35, 3.0))
+    assert may_dock(*both, both, navigation)
+    cells = navigation.grid.cells.copy()
+    cells[10:60, 48:50] = 100
+    navigation.learn(replace(navigation.grid, cells=cells))
+    assert not may_dock(*both, both, navigation)
+
+
 def test_a_full_or_busy_carrier_takes_nobody(navigation: Navigation) -> None:
     carrier, rover = pair((4.0, 3.0), (5.0, 3.0))
     rider = Robot("rider", ROVER, 4.0, 3.0, 0.0, carrier="carrier")

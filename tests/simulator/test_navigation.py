@@ -84,10 +84,17 @@ def test_a_wide_robot_does_not_fit_where_a_slim_one_does(navigation: Navigation)
     assert navigation.route(robot_at(3.0, 2.0), [(12.0, 2.0)]) is not None
 
 
-def test_a_blockade_is_reached_from_near_by(navigation: Navigation) -> None:
+def test_a_blockade_is_reached_from_near_by_and_not_through_a_wall(navigation: Navigation) -> None:
     far_m = EXPLORER.radius_m + REACH_M
     assert navigation.reaches(robot_at(9.5 - far_m, 3.5), GAP)
     assert not navigation.reaches(robot_at(9.5 - far_m - 0.2, 3.5), GAP)
+    # As near as that, with a wall between.
+    cells = navigation.grid.cells.copy()
+    cells[10:60, 48:50] = 100
+    navigation.learn(replace(navigation.grid, cells=cells))
+    assert not navigation.reaches(
+        robot_at(4.4, 3.0), HiddenBlockade("b", ((5.1, 2.0), (5.1, 4.0)), 5.0)
+    )
 
 
 def test_approaches_are_places_from_which_it_is_reached(navigation: Navigation) -> None:

@@ -123,6 +123,12 @@ impl Floor {
         })
     }
 
+    /// Whether a position lies in a wall or outside the grid.
+    fn is_wall(&self, position: Point) -> bool {
+        self.cell(position)
+            .is_none_or(|(column, row)| self.is_occupied(column, row))
+    }
+
     /// Distance from a cell's centre to the nearest forbidden terrain, zero within [m].
     pub fn terrain_clearance_at_centre(&self, column: usize, row: usize) -> f64 {
         self.terrain.as_ref().map_or(f64::INFINITY, |terrain| {
@@ -203,7 +209,8 @@ impl Floor {
         })
     }
 
-    /// Whether a disc may move along a straight leg without touching a wall.
+    /// Whether a disc may move along a straight leg without touching a wall. A disc without a radius
+    /// is a line of sight: it ends in a wall as well.
     pub fn disc_passes(&self, from: Point, to: Point, radius_m: f64) -> bool {
         let length = distance(from, to);
         let mut travelled = 0.0;
@@ -220,7 +227,7 @@ impl Floor {
             let mut free = self.certain_clearance(at) - radius_m;
             if free < self.resolution_m {
                 free = self.clearance(at, radius_m + self.resolution_m) - radius_m;
-                if free < -1e-9 {
+                if free < -1e-9 || self.is_wall(at) {
                     return false;
                 }
             }
@@ -298,6 +305,16 @@ pub(crate) mod tests {
         assert!(floor.leg_is_clear(below, above, 0.24));
         assert!(floor.leg_is_clear(below, above, 0.25));
         assert!(!floor.leg_is_clear(below, above, 0.31));
+    }
+
+    #[test]
+    fn a_line_of_sight_ends_at_a_wall() {
+        let floor = drawn(&[".....", "..#..", "..#..", "..#..", "....."], 0.2);
+        assert!(!floor.disc_passes([0.1, 0.5], [0.9, 0.5], 0.0));
+        assert!(!floor.disc_passes([0.1, 0.5], [0.5, 0.5], 0.0));
+        assert!(floor.disc_passes([0.1, 0.5], [0.39, 0.5], 0.0));
+        assert!(floor.disc_passes([0.1, 0.1], [0.9, 0.1], 0.0));
+        assert!(floor.disc_passes([0.3, 0.1], [0.3, 0.9], 0.0));
     }
 
     #[test]
