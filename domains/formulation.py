@@ -24,12 +24,19 @@ PathCost = Callable[[str, str, str], float]
 """(robot, from, to) -> seconds, all PDDL names; infinite where there is no way."""
 
 
+def asked(
+    cost: PathCost, calls: Sequence[tuple[str, str, str]]
+) -> dict[tuple[str, str, str], float]:
+    """The travel times [s] of some (robot, from, to), all PDDL names; asked at once."""
+    many = getattr(cost, "many", None)
+    times_s = [cost(*call) for call in calls] if many is None else many(calls)
+    return dict(zip(calls, times_s, strict=True))
+
+
 def reachable(cost: PathCost, robot: str, starts: Iterable[str], goals: Iterable[str]) -> set[str]:
     """The goals that a robot can reach from one of the starts, all PDDL names; asked at once."""
     calls = [(robot, start, goal) for goal in goals for start in starts]
-    many = getattr(cost, "many", None)
-    times_s = [cost(*call) for call in calls] if many is None else many(calls)
-    return {call[2] for call, time_s in zip(calls, times_s, strict=True) if isfinite(time_s)}
+    return {call[2] for call, time_s in asked(cost, calls).items() if isfinite(time_s)}
 
 
 class OrderKind(StrEnum):
@@ -108,6 +115,24 @@ class Formulation(ABC):
         del robot, state
         return [(action, ids)]
 
+    def standing(self, robot: RobotState, state: MissionState) -> str:
+        """Id of the place that a free robot begins its first step from."""
+        del state
+        return place_of(robot.id)
+
+    def visit(self, robot: str, start: str, target: str) -> tuple[str, tuple[str, ...]] | None:
+        """Action and arguments, as ids, of a robot that goes from a place to visit a target.
+
+        None where that depends on more than the places.
+        """
+        del robot, start, target
+        return None
+
+    def worthwhile(self, cost: PathCost, state: MissionState) -> tuple[MeetingPoint, ...]:
+        """The meeting points that a plan could need; the fewer, the smaller the problem."""
+        del cost
+        return state.meeting_points
+
     @abstractmethod
     def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
         """Ids of the targets that the team can visit, as far as is known (delete relaxation)."""
@@ -143,7 +168,9 @@ class Formulation(ABC):
         }
         places: tuple[Target | MeetingPoint, ...] = (*state.targets, *state.meeting_points)
         for place in places:
-            locations[names.name(place.id)] = Location(position_m=place.position_m)
+            locations[names.name(place.id)] = Location(
+                place.position_m, unknown_m2=getattr(place, "unknown_m2", 0.0)
+            )
         blockades = {}
         for blockade in state.blockades:
             name = names.name(blockade.id)

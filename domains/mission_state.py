@@ -50,6 +50,8 @@ class Target:
 
     id: str
     position_m: PositionM
+    unknown_m2: float = 0.0
+    """Area that is expected to be seen from there for the first time [m^2]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,5 +50,9 @@ class Names:
         """The id behind a PDDL name."""
         return self._id_of[name]
 
+    def agree_with(self, other: "Names") -> bool:
+        """Whether every id here has the same name there."""
+        return self._name_of.items() <= other._name_of.items()
+
     def __contains__(self, identifier: str) -> bool:
         return identifier in self._name_of

@@ -197,6 +197,7 @@ class Search:
         warm_start: Sequence[StepTuple] | None,
         heuristic: str | None,
         space: str,
+        promptness: float,
     ) -> Search: ...
     def next(self, timeout_s: float) -> Event | None:
         """The next event; None if there was none for that long."""

@@ -146,6 +146,8 @@ class Limits:
     """What guides the decision-epoch search; None leaves it to the portfolio."""
     space: Space | str = Space.PORTFOLIO
     """Which spaces are searched."""
+    promptness: float = 0.0
+    """Weight of the mean time at which goals are reached, beside the makespan."""
 
     def __post_init__(self) -> None:
         for name, value, least in (
@@ -155,6 +157,7 @@ class Limits:
             ("node_limit", self.node_limit, 1),
             ("memory_limit_mb", self.memory_limit_mb, 1),
             ("cpu_timeout_s", self.cpu_timeout_s, 0),
+            ("promptness", self.promptness, 0),
         ):
             if value is not None and not value >= least:
                 raise InputError(f"{name} is {value}, but must be at least {least}")
@@ -175,6 +178,7 @@ def solve(
     memory_limit_mb: int | None = None,
     first_plan_only: bool = False,
     warm_start: Plan | None = None,
+    promptness: float = 0.0,
     on_plan: Callable[[Plan], None] | None = None,
     heuristic: Heuristic | str | None = None,
     space: Space | str = Space.PORTFOLIO,
@@ -184,6 +188,8 @@ def solve(
     `domain` and `problem` are paths, texts or what `read_domain` / `read_problem` returned;
     `attachments` maps names of modules to callables (see `planner.attachments`). `warm_start` is
     the plan in execution, its times counted from now: what is left of it may be the first plan.
+    With a `promptness` above 0 plans also count the mean time at which their goals are reached,
+    that many times as much as the makespan: right where the goals are only those known so far.
     `on_plan` is called with every improving plan. Every plan has passed the validator.
     `heuristic` guides the decision-epoch search, `space` may be that search alone.
 
@@ -200,6 +206,7 @@ def solve(
         first_plan_only,
         heuristic=heuristic,
         space=space,
+        promptness=promptness,
     )
     plans = improving_plans(read_problem(domain, problem), attachments, limits, warm_start)
     while True:
@@ -265,6 +272,7 @@ def improving_plans(
         warm_start=None if warm_start is None else tuples_of(warm_start),
         heuristic=limits.heuristic,
         space=limits.space,
+        promptness=limits.promptness,
     )
     plans: list[Plan] = []
     cpu_timed_out = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
@@ -61,10 +62,7 @@ def compose(
     fleet = FleetScenario(
         name=f"{scenario.name}, seed {seed}",
         map_path=map_path,
-        robot_types=tuple(
-            RobotType(name=name, **section.model_dump(exclude={"carried_by"}))
-            for name, section in scenario.robot_types.items()
-        ),
+        robot_types=_robot_types(scenario, robots),
         robots=robots,
         targets=tuple(Target(target.id, target.position_m) for target in scenario.targets),
         blockades=tuple(
@@ -137,6 +135,22 @@ def _with_blockade_share(scenario: ScenarioFile, seed: int) -> ScenarioFile:
         return scenario
     order = sorted(Random(f"blockades {seed}").sample(range(len(scenario.blockades)), kept))
     return scenario.model_copy(update={"blockades": tuple(scenario.blockades[k] for k in order)})
+
+
+def _robot_types(scenario: ScenarioFile, robots: tuple[RobotStart, ...]) -> tuple[RobotType, ...]:
+    """The types of the file; carriers hold at least as many rovers as the team gives each."""
+    listed = {robot.id for robot in scenario.robots}
+    drawn = [robot for robot in robots if robot.id not in listed]
+    aboard = Counter(robot.carrier for robot in drawn if robot.carrier is not None)
+    most: dict[str, int] = {}
+    for robot in robots:
+        most[robot.type] = max(most.get(robot.type, 0), aboard[robot.id])
+    types = []
+    for name, section in scenario.robot_types.items():
+        members = section.model_dump(exclude={"carried_by"})
+        members["capacity"] = max(section.capacity, most.get(name, 0))
+        types.append(RobotType(name=name, **members))
+    return tuple(types)
 
 
 def _robots(scenario: ScenarioFile, seed: int, grid: OccupancyGrid) -> tuple[RobotStart, ...]:

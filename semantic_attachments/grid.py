@@ -3,6 +3,7 @@
 ```
 (:modules
   (pathCost ?r - robot ?s - location ?g - location cost pathCost@libgrid.so)
+  (exploreCost ?r - robot ?s - location ?g - location cost exploreCost@libgrid.so)
   (clearCost ?r - robot ?b - blockade cost clearCost@libgrid.so)
   (dockCost ?e - rover ?c - carrier cost dockCost@libgrid.so)
   (undockCost ?e - rover ?c - carrier cost undockCost@libgrid.so))
@@ -43,6 +44,39 @@ class Single:
         return [self.function(*call) for call in calls]
 
 
+@dataclass(frozen=True, slots=True)
+class ExploreCosts:
+    """Travel time, and the time that exploring what lies behind the goal is expected to take.
+
+    A robot sweeps a strip as wide as its sensor's range at the speed it drives with.
+    """
+
+    world: World
+    travel: PathCosts
+
+    def __call__(self, *arguments: str) -> float:
+        return self.many([arguments])[0]
+
+    def many(self, calls: Sequence[tuple[str, ...]]) -> list[float]:
+        """Times [s] of many (robot, from, to), in their order."""
+        times_s = self.travel.many(calls)
+        return [
+            time_s + self._sweep_s(call[0], call[-1])
+            for call, time_s in zip(calls, times_s, strict=True)
+        ]
+
+    def _sweep_s(self, robot: str, goal: str) -> float:
+        unknown_m2 = self.world.locations[goal].unknown_m2
+        if unknown_m2 <= 0.0:
+            return 0.0
+        model = self.world.robots[robot]
+        return unknown_m2 / max(model.sensor_range_m * model.speed_m_s, 1e-9)
+
+
+def _explore_cost(world: World, memory: Memory) -> Evaluator:
+    return ExploreCosts(world, path_costs(world, memory))
+
+
 def _robot(world: World, name: str) -> RobotModel:
     model = world.robots.get(name)
     if model is None:
@@ -81,6 +115,16 @@ ATTACHMENTS = (
             Parameter("to", "location"),
         ),
         bind=path_costs,
+        thread_safe=True,
+    ),
+    Attachment(
+        name="exploreCost",
+        parameters=(
+            Parameter("robot", "robot"),
+            Parameter("from", "location"),
+            Parameter("to", "location"),
+        ),
+        bind=_explore_cost,
         thread_safe=True,
     ),
     Attachment(

@@ -106,6 +106,13 @@ class GridMap:
             return row * self.width + column
         return None
 
+    def terrain_class_at(self, position_m: PositionM) -> str | None:
+        """Class of the terrain at a position; None outside the map."""
+        cell = self.cell_at(position_m)
+        if cell is None:
+            return None
+        return self.terrain_classes[0 if self.terrain is None else int(self.terrain.flat[cell])]
+
     def centres_m(self, cells: Sequence[int] | NDArray[Any]) -> NDArray[np.float64]:
         """(n, 2) centres of cells in the map frame [m]."""
         rows, columns = np.divmod(np.asarray(cells, dtype=np.int64), self.width)

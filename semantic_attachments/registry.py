@@ -25,6 +25,7 @@ GROUP = "marsupial.attachments"
 
 OWN: Mapping[str, str] = {
     "pathcost": "grid",
+    "explorecost": "grid",
     "clearcost": "grid",
     "dockcost": "grid",
     "undockcost": "grid",

@@ -31,6 +31,8 @@ class Location:
     """The blockade that lies at this place, if any: it is open for a robot on its way here."""
     charger: bool = False
     """Whether batteries can be charged here."""
+    unknown_m2: float = 0.0
+    """Area that nobody has seen yet and that is expected to be seen from here [m^2]."""
 
 
 @dataclass(frozen=True, slots=True)

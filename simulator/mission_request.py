@@ -63,6 +63,8 @@ def mission_request(scenario: FleetScenario, grid: OccupancyGrid) -> dict[str, A
                 "sensor_range_m": kind.sensor_range_m,
                 "enters": list(kind.enters),
                 **({"capacity": kind.capacity} if kind.capacity else {}),
+                "dock_duration_s": scenario.dock_duration_s,
+                "undock_duration_s": scenario.undock_duration_s,
             }
             for kind in scenario.robot_types
         },

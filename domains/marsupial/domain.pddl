@@ -12,6 +12,7 @@
   ; Durations in seconds; infinite where the robot's class cannot go.
   (:modules
     (pathCost ?r - robot ?s - location ?g - location cost pathCost@libgrid.so)
+    (exploreCost ?r - robot ?s - location ?g - location cost exploreCost@libgrid.so)
     (dockCost ?e - rover ?c - carrier cost dockCost@libgrid.so)
     (undockCost ?e - rover ?c - carrier cost undockCost@libgrid.so))
 
@@ -38,7 +39,7 @@
 
   (:durative-action explore
     :parameters (?r - robot ?s - location ?g - target)
-    :duration (= ?duration [pathCost ?r ?s ?g])
+    :duration (= ?duration [exploreCost ?r ?s ?g])
     :condition (and
       (at start (at ?r ?s))
       (at start (not (explored ?g)))

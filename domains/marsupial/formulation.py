@@ -2,15 +2,24 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from math import isfinite
 from pathlib import Path
 
-from domains.formulation import Formulation, Order, OrderKind, PathCost, place_of, reachable
+from domains.formulation import (
+    Formulation,
+    Order,
+    OrderKind,
+    PathCost,
+    asked,
+    place_of,
+    reachable,
+)
 from domains.geometry_text import write_location, write_robot
-from domains.mission_state import Activity, MissionState, PositionM, RobotState
+from domains.mission_state import Activity, MeetingPoint, MissionState, RobotState
 from domains.naming import Names
 from domains.pddl_text import ProblemText
 from planner import Step
-from semantic_attachments.world import GridMap, World
+from semantic_attachments.world import World
 
 SOONEST_S = 0.1
 """A timed literal lies after time 0, also for an activity that should have ended by now."""
@@ -43,7 +52,7 @@ class MarsupialFormulation(Formulation):
                 text.fluent("num_docked", robot.id, value=aboard[robot.id])
                 text.fluent("capacity", robot.id, value=state.capacities.get(robot.id, 0))
             for target in state.targets:
-                if _terrain_class(world.grid, target.position_m) in model.enters:
+                if world.grid.terrain_class_at(target.position_m) in model.enters:
                     text.fact("can_explore", robot.id, target.id)
             self._write_position(text, robot, state)
         for goal in goals:
@@ -84,9 +93,41 @@ class MarsupialFormulation(Formulation):
     ) -> Sequence[tuple[str, tuple[str, ...]]]:
         if action not in ("move", "explore"):
             return [(action, ids)]
+        return [(action, (robot.id, self.standing(robot, state), *ids[2:]))]
+
+    def standing(self, robot: RobotState, state: MissionState) -> str:
         meetings = {meeting.id for meeting in state.meeting_points}
-        here = robot.arrived_at if robot.arrived_at in meetings else place_of(robot.id)
-        return [(action, (robot.id, str(here), *ids[2:]))]
+        arrived = robot.arrived_at
+        return arrived if arrived is not None and arrived in meetings else place_of(robot.id)
+
+    def visit(self, robot: str, start: str, target: str) -> tuple[str, tuple[str, ...]]:
+        return "explore", (robot, start, target)
+
+    def worthwhile(self, cost: PathCost, state: MissionState) -> tuple[MeetingPoint, ...]:
+        """Those from which rovers can get to a target, or get away from where they are."""
+        names = self.names(state)
+        rovers = [
+            robot
+            for robot in state.robots
+            if robot.type == "rover" and robot.activity is not Activity.FAILED
+        ]
+        if not rovers:
+            return ()
+        meetings = [names.name(meeting.id) for meeting in state.meeting_points]
+        calls: dict[tuple[str, str, str], str] = {}
+        for target in state.targets:
+            for meeting in meetings:
+                calls[names.name(rovers[0].id), meeting, names.name(target.id)] = meeting
+        for rover in rovers:
+            if rover.activity is not Activity.DOCKED:
+                for meeting in meetings:
+                    calls[names.name(rover.id), names.name(place_of(rover.id)), meeting] = meeting
+        times_s = asked(cost, list(calls))
+        wanted = {calls[call] for call, time_s in times_s.items() if isfinite(time_s)}
+        busy = {name for robot in state.robots for name in self._meeting(robot, names)}
+        return tuple(
+            meeting for meeting in state.meeting_points if names.name(meeting.id) in wanted | busy
+        )
 
     def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
         names = self.names(state)
@@ -136,12 +177,6 @@ class MarsupialFormulation(Formulation):
         return carried
 
 
-def _terrain_class(grid: GridMap, position_m: PositionM) -> str | None:
-    """Class of the terrain at a position; None outside the map."""
-    cell = grid.cell_at(position_m)
-    if cell is None:
-        return None
-    return grid.terrain_classes[0 if grid.terrain is None else int(grid.terrain.flat[cell])]
-
-
-FORMULATION = MarsupialFormulation(Path(__file__).parent, ["pathCost", "dockCost", "undockCost"])
+FORMULATION = MarsupialFormulation(
+    Path(__file__).parent, ["pathCost", "exploreCost", "dockCost", "undockCost"]
+)

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from service.coordination.mission import Mission
 from service.messages.report import Report
 
+MAP_CHANGED = "the map changed"
+"""How facts that speak of the map begin."""
 LATE_FACTOR = 1.5
 LATE_SLACK_S = 5.0
 """A command is late after its expected duration times the factor plus the slack."""
@@ -24,7 +26,7 @@ def _facts(mission: Mission, report: Report) -> Iterator[str]:
     if report.map_patches:
         cells = mission.map.change(report.sequence, report.map_patches).cells
         if cells:
-            yield f"the map changed in {cells} cells"
+            yield f"{MAP_CHANGED} in {cells} cells"
     for finished in report.finished:
         order = mission.orders.get(finished.command)
         if order is not None and order.kind != "wait":

@@ -116,6 +116,8 @@ def robot_models(request: CreateMission) -> dict[str, RobotModel]:
             sensor_range_m=kind.sensor_range_m,
             enters=tuple(kind.enters),
             capacity=kind.capacity,
+            dock_duration_s=kind.dock_duration_s,
+            undock_duration_s=kind.undock_duration_s,
         )
         for name, kind in request.robot_types.items()
     }

@@ -1,7 +1,8 @@
 """Meeting points: where carriers put rovers down and take them up (thesis 3.4.1).
 
-They lie on the border between what carriers can drive on and what only rovers can. They do not
-change while the map stays the same, so that plans and robots can refer to them.
+They lie on the border between what carriers can drive on and what only rovers can. They stay
+where they are while that is part of the border, so that plans and robots can refer to them although
+the border that is known grows.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,12 +21,17 @@ SPACING_M = 10.0
 EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
 
 
-def meeting_points(grid: GridMap, models: Mapping[str, RobotModel]) -> tuple[MeetingPoint, ...]:
+def meeting_points(
+    grid: GridMap, models: Mapping[str, RobotModel], kept: Sequence[MeetingPoint] = ()
+) -> tuple[MeetingPoint, ...]:
     """Meeting points of carriers (types with a capacity) and all other robots, in the map frame.
 
     One for each connected stretch of border, at the cell nearest its centroid; long stretches are
-    cut into pieces first. Their ids are the cells they lie in, so that they keep their ids where
-    a change of the map leaves them alone; they hold a space, which no id of a fleet does.
+    cut into pieces first. Their ids are the cells they lie in; they hold a space, which no id of a
+    fleet does.
+
+    Args:
+        kept: the meeting points of before; a piece of border that has some gets no other.
     """
     carriers = [model for model in models.values() if model.capacity > 0]
     riders = [model for model in models.values() if model.capacity == 0]
@@ -40,10 +46,14 @@ def meeting_points(grid: GridMap, models: Mapping[str, RobotModel]) -> tuple[Mee
         for label in range(1, count + 1)
         for piece in _cut(np.argwhere(labels == label), grid.resolution_m)
     ]
-    return tuple(
-        MeetingPoint(f"meeting {row} {column}", _centre_m(grid, row, column))
-        for row, column in map(_middle, pieces)
-    )
+    cells = [(point, grid.cell_at(point.position_m)) for point in kept]
+    there = {cell: point for point, cell in cells if cell is not None and border.flat[cell]}
+    found = list(there.values())
+    for piece in pieces:
+        if there.keys().isdisjoint((piece @ [grid.width, 1]).tolist()):
+            row, column = _middle(piece)
+            found.append(MeetingPoint(f"meeting {row} {column}", _centre_m(grid, row, column)))
+    return tuple(found)
 
 
 def _enterable(grid: GridMap, models: Sequence[RobotModel]) -> NDArray[np.bool_]:

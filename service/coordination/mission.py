@@ -103,6 +103,8 @@ class Mission:
     """Number of the event that disturbed the plan last."""
     hopeless_since_s: float | None = None
     """Nothing has happened since a strategy found that the team can do nothing."""
+    target_places_m: dict[str, Position] = field(default_factory=dict)
+    """Where the targets that the plan in force knows were last, also those that are gone since."""
     done: list[Command] = field(default_factory=list)
     """Commands carried out since the plan in force was begun to be made, in order."""
     commands: dict[str, Command] = field(default_factory=dict)

@@ -158,7 +158,7 @@ class Replanning:
         async with self._ledger.locked() as mission:
             if mission.map.version != self._meetings_of:
                 self._meeting_points = await asyncio.to_thread(
-                    meeting_points, mission.map.grid, self._models
+                    meeting_points, mission.map.grid, self._models, self._meeting_points
                 )
                 self._meetings_of = mission.map.version
             if mission.request.exploration is not None and not await self._look_for_frontiers():

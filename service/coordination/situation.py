@@ -1,6 +1,6 @@
 """The mission as a strategy sees it: a frozen snapshot."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 from domains.mission_state import (
@@ -12,8 +12,10 @@ from domains.mission_state import (
     Target,
 )
 from semantic_attachments.world import RobotModel
+from service.coordination.exploration.expected_area import expected_area_m2
+from service.coordination.facts import MAP_CHANGED
 from service.coordination.fleet_robot import FleetRobot
-from service.coordination.mission import Mission
+from service.coordination.mission import Mission, MissionTarget
 from service.coordination.strategy import Situation
 from service.messages.instruction import Deadline, Forbid, Pin, Priority
 
@@ -32,13 +34,14 @@ _BUSY = {
 
 def mission_state(mission: Mission, meeting_points: tuple[MeetingPoint, ...] = ()) -> MissionState:
     """What the domain's formulation needs; robots start from where they are now."""
+    targets = [target for target in mission.targets.values() if target.is_open]
+    unknown_m2 = _unknown_m2(mission, [target for target in targets if target.is_frontier])
     return MissionState(
         time_s=mission.time_s,
         robots=tuple(_robot_state(mission, robot) for robot in mission.robots.values()),
         targets=tuple(
-            Target(target.id, target.position_m)
-            for target in mission.targets.values()
-            if target.is_open
+            Target(target.id, target.position_m, unknown_m2.get(target.id, 0.0))
+            for target in targets
         ),
         blockades=tuple(
             BlockadeState(blockade.id, blockade.segment_m, blockade.clear_duration_s)
@@ -52,6 +55,20 @@ def mission_state(mission: Mission, meeting_points: tuple[MeetingPoint, ...] = (
             if mission.request.robot_types[robot.type].capacity > 0
         },
     )
+
+
+def _unknown_m2(mission: Mission, frontiers: Sequence[MissionTarget]) -> dict[str, float]:
+    """What is expected to be seen from each frontier, by the types of robots that get there."""
+    grid = mission.map.grid
+    types = [kind for name, kind in mission.request.robot_types.items() if name != "clearer"]
+    everywhere_m = min((kind.sensor_range_m for kind in types), default=0.0)
+    ranges_m = []
+    for frontier in frontiers:
+        terrain = grid.terrain_class_at(frontier.position_m)
+        able_m = [kind.sensor_range_m for kind in types if terrain in kind.enters]
+        ranges_m.append(min(able_m, default=everywhere_m))
+    areas_m2 = expected_area_m2(grid, [frontier.position_m for frontier in frontiers], ranges_m)
+    return dict(zip((frontier.id for frontier in frontiers), areas_m2, strict=True))
 
 
 def _robot_state(mission: Mission, robot: FleetRobot) -> RobotState:
@@ -108,6 +125,13 @@ def situation(
         priorities=_by_target(mission, Priority, lambda order: order.priority),
         deadlines_s=_by_target(mission, Deadline, lambda order: order.time_s),
         exploring=mission.request.exploration is not None,
+        only_map_changed=all(fact.startswith(MAP_CHANGED) for fact in trigger.split("; ")),
+        going={
+            robot: command.location
+            for robot, command in mission.commands.items()
+            if command.kind in ("move", "explore") and command.location is not None
+        },
+        target_places_m=dict(mission.target_places_m),
         communication_range_m=None
         if mission.request.exploration is None
         else mission.request.exploration.communication_range_m,

@@ -12,6 +12,7 @@ from domains.formulation import Assignment
 from domains.mission_state import MissionState
 from semantic_attachments.contract import Memory
 from semantic_attachments.world import GridMap, RobotModel
+from service.messages.base import Position
 from service.messages.instruction import Instruction
 from service.messages.mission import PlanningMessage
 from service.messages.plan import PlanStep
@@ -54,6 +55,12 @@ class Situation:
     """Robots further apart, and not linked through others, cannot be coordinated; None for all."""
     commands_ahead: int = 0
     """How many further orders each robot gets for when it is out of contact."""
+    only_map_changed: bool = False
+    """Nothing but the map has changed since the decision before."""
+    going: Mapping[str, str] = field(default_factory=dict)
+    """Where robots are on their way to, by robot."""
+    target_places_m: Mapping[str, Position] = field(default_factory=dict)
+    """Where the targets that the plan in force knows were last, also those that are gone since."""
     instructions: tuple[tuple[str, Instruction], ...] = ()
     """All that people have said, with ids, for remarks."""
 

@@ -13,14 +13,18 @@ from math import inf, isfinite
 
 import planner
 from domains import catalogue
-from domains.formulation import Assignment, Formulation, Order, OrderKind
+from domains.formulation import Formulation, OrderKind
 from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
 from service.coordination.follow_ups import follow_ups
 from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
+from service.coordination.idle_robots import with_idle_robots
+from service.coordination.plan_choice import PROMPTNESS, steadiest
+from service.coordination.plan_lag import behind_s
 from service.coordination.plan_progress import Remainder, from_here, remainder
+from service.coordination.plan_revision import Revision, revised, with_new_targets
 from service.coordination.remarks import remarks
 from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
@@ -29,7 +33,6 @@ from service.coordination.urgency import Lateness, is_urgent, lateness, urgent
 from service.messages.plan import PlanStep
 
 LOG = logging.getLogger(__name__)
-AT_WORK = (Activity.CLEARING, Activity.DOCKING, Activity.UNDOCKING)
 LAG_TOLERATED = 0.1
 """Part of the time left by which a team may be late that goes on without a new search."""
 PRIORITY_SLACK = 1.05
@@ -89,6 +92,10 @@ class Planning:
     domain: planner.Domain
     world: World
     attachments: Mapping[str, Evaluator]
+    state: MissionState
+    """The situation's, with the meeting points that a plan could need."""
+    revision: Revision
+    """The plan in force, with targets that are there."""
 
     @classmethod
     def of(cls, situation: Situation, memory: Memory) -> "Planning":
@@ -110,23 +117,36 @@ class Planning:
                 for robot, place in situation.avoid
                 if robot in names and place in names
             }
-            bound["pathCost"] = RestrictedCosts(bound["pathCost"], frozenset(pairs))
-        return cls(situation, memory, formulation, domain, world, bound)
+            for name in ("pathCost", "exploreCost"):
+                if name in bound:
+                    bound[name] = RestrictedCosts(bound[name], frozenset(pairs))
+        places = formulation.worthwhile(bound["pathCost"], state)
+        fewer = replace(state, meeting_points=places)
+        if formulation.names(fewer).agree_with(names):
+            state = fewer
+        revision = Revision(situation.in_force)
+        if situation.exploring:
+            reached = {command.location or "" for command in situation.done}
+            revision = revised(situation.in_force, reached, state, situation.target_places_m)
+        return cls(situation, memory, formulation, domain, world, bound, state, revision)
 
     def propose(self) -> Proposal:
         """The plan in force if it is as good, a new one otherwise."""
-        state = self.situation.state
+        state = self.state
         goals = self.formulation.attainable(self.attachments["pathCost"], state)
         unreachable = frozenset(target.id for target in state.targets) - goals
         if not goals:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
-        if self.situation.hurried and (kept := self._kept(None, goals)) is not None:
+        goes_on = self.situation.exploring and self.situation.only_map_changed
+        if (self.situation.hurried or goes_on) and (kept := self._kept(None, goals)) is not None:
             return kept
         plan, how = self._plan(goals)
-        kept = self._kept(plan, goals)
-        if kept is not None:
+        # A team that explores compares the plans that keep robots on their ways with the others.
+        if not self.situation.exploring and (kept := self._kept(plan, goals)) is not None:
             return kept
-        assignments = self._with_idle_clearers(self.formulation.assignments(plan, state))
+        assignments = with_idle_robots(
+            self.formulation.assignments(plan, state), self.situation, self.memory
+        )
         left_out = f"; out of reach: {_listed(unreachable)}" if unreachable else ""
         return Proposal(
             assignments=tuple(assignments),
@@ -142,7 +162,7 @@ class Planning:
 
     def _plan(self, goals: Collection[str]) -> tuple[planner.Plan, str]:
         """A plan for everything, unless one that begins with what is urgent obeys people better."""
-        state = self.situation.state
+        state = self.state
         everything = self._solve(state, goals)
         if not is_urgent(self.situation, goals):
             return everything, "a plan"
@@ -168,7 +188,7 @@ class Planning:
         deadlines_s = {t: situation.deadlines_s[t] - situation.state.time_s for t in by_time}
         soonest_s = {}
         if top:
-            alone_s = self._visits_s(self._solve(situation.state, top))
+            alone_s = self._visits_s(self._solve(self.state, top))
             soonest_s = dict.fromkeys(top, max(alone_s.values(), default=0.0) * PRIORITY_SLACK)
         first = [sorted({*by_time, *top}), by_time, by_time[:1], top]
         distinct = [part for index, part in enumerate(first) if part and part not in first[:index]]
@@ -178,7 +198,7 @@ class Planning:
         self, first: planner.Plan, goals: Collection[str], urgent: Collection[str]
     ) -> planner.Plan:
         """`first`, and beside it a plan of the robots it does not need, if they go together."""
-        state = self.situation.state
+        state = self.state
         names = self.formulation.names(state)
         engaged = {order.robot for step in first for order in self.formulation.orders(step, names)}
         rest_state = replace(
@@ -210,47 +230,62 @@ class Planning:
             timeout_s=planning.time_limit_s,
             node_limit=planning.node_limit,
             seed=planning.seed,
-            warm_start=self._warm_start(),
+            warm_start=self._warm_start(goals),
+            promptness=PROMPTNESS if self.situation.exploring else 0.0,
         )
         if result.plan is None:
             raise PlanNotFoundError(f"planning ended without a plan ({result.outcome})")
-        return result.plan
+        if not self.situation.exploring:
+            return result.plan
+        going = {
+            robot: self.revision.successors.get(place, place)
+            for robot, place in self.situation.going.items()
+            if place not in self.revision.gone
+        }
+        return steadiest(result.plans, going, self.formulation, state)
 
     # The plan in force
 
-    def _warm_start(self) -> planner.Plan | None:
-        situation = self.situation
-        if not situation.in_force:
+    def _warm_start(self, goals: Collection[str]) -> planner.Plan | None:
+        steps, state = self.revision.steps, self.state
+        if not steps:
             return None
-        left = remainder(self.formulation, situation.state, situation.in_force, situation.done)
-        return from_here(left, self.formulation, situation.state)
+        left = remainder(self.formulation, state, steps, self.situation.done)
+        plan = from_here(left, self.formulation, state)
+        if not self.situation.exploring:
+            return plan
+        cost = self.attachments["pathCost"]
+        return with_new_targets(plan, goals, state, self.formulation, cost)
 
     def _kept(self, plan: planner.Plan | None, goals: Collection[str]) -> Proposal | None:
         """The next orders of the plan in force, if that is nearly as good as `plan`.
 
         Without a plan to compare with: if it goes on nearly as it was planned.
         """
-        situation, state = self.situation, self.situation.state
-        if not situation.in_force:
+        situation, state = self.situation, self.state
+        if not situation.in_force or self.revision.gone or self.revision.successors:
             return None
         left = remainder(self.formulation, state, situation.in_force, situation.done)
         visits = {target for _, target in left.ends_s()}
         if not visits >= set(goals):
             return None
         assignments = left.assignments(self.formulation, state)
-        lag_s = self._lag_s(left, assignments)
+        lag_s = behind_s(left, assignments, situation, Travel.of(situation, self.memory))
         if not isfinite(lag_s):
             return None
         left_s = left.plan.makespan + lag_s
         if plan is None:
-            good_enough, compared = lag_s <= left_s * LAG_TOLERATED, "others wait for the planners"
+            good_enough = lag_s <= left_s * LAG_TOLERATED
+            compared = "others wait for the planners"
+            if situation.only_map_changed:
+                compared = "the map shows nothing new to go to"
         else:
             good_enough = plan.makespan >= left_s * (1.0 - situation.planning.margin)
             good_enough &= not self._obeys_better(plan, left, lag_s)
             compared = f"a new one would take {plan.makespan:.1f} s"
         if not good_enough:
             return None
-        assignments = tuple(self._with_idle_clearers(assignments))
+        assignments = tuple(with_idle_robots(assignments, situation, self.memory))
         return Proposal(
             assignments=assignments,
             then=follow_ups(situation, self.formulation, left.plan, assignments, left.names),
@@ -267,71 +302,10 @@ class Planning:
         new = lateness(self._visits_s(plan), deadlines_s, {})
         return new.deadlines_missed < lateness(kept_s, deadlines_s, {}).deadlines_missed
 
-    def _lag_s(self, left: Remainder, assignments: Sequence[Assignment]) -> float:
-        """By how much the team is behind the plan [s]; infinite if it can no longer be carried out.
-
-        A robot on its way is late by the time it still needs; whatever has not begun is late
-        since it should have.
-        """
-        travel = Travel.of(self.situation, self.memory)
-        state = self.situation.state
-        busy_until_s = {
-            robot.id: robot.free_at_s - state.time_s
-            for robot in state.robots
-            if robot.activity in AT_WORK
-        }
-        driving = {
-            assignment.robot: assignment.location
-            for assignment in assignments
-            if assignment.kind in (OrderKind.MOVE, OrderKind.EXPLORE)
-        }
-        if not busy_until_s and not any(a.kind is not OrderKind.WAIT for a in assignments):
-            return float("inf")
-        lag_s = 0.0
-        for step, orders in left.orders:
-            robot, location = orders[0].robot, orders[0].location
-            if robot in busy_until_s:
-                lag_s = max(lag_s, busy_until_s.pop(robot) - step.end)
-            elif driving.get(robot) == location:
-                del driving[robot]
-                if location not in travel.names:
-                    return float("inf")
-                lag_s = max(lag_s, travel.times_s([robot], [location])[0][0] - step.end)
-            else:
-                lag_s = max(lag_s, -step.start, self._detour_s(travel, left, step, orders[0]))
-        return lag_s
-
-    @staticmethod
-    def _detour_s(travel: Travel, left: Remainder, step: planner.Step, order: Order) -> float:
-        """By how much a later movement takes longer than planned, because of a new blockade [s]."""
-        if order.kind not in (OrderKind.MOVE, OrderKind.EXPLORE):
-            return 0.0
-        start = left.names.id(step.arguments[1])
-        if start not in travel.names or order.location not in travel.names:
-            return 0.0  # it starts where somebody has been: its robot is there, or on its way
-        (time_s,) = travel.times_between_s(order.robot, [start], order.location)
-        return time_s - (step.duration or 0.0)
-
     # What is told
 
-    def _with_idle_clearers(self, assignments: Sequence[Assignment]) -> list[Assignment]:
-        """A clearer that the plan does not need takes the nearest blockade nobody has taken."""
-        situation = self.situation
-        busy = {assignment.robot for assignment in assignments}
-        idle = [robot for robot in free(situation, "clearer") if robot not in busy]
-        blockades = {blockade.id for blockade in situation.state.blockades}
-        taken = being_cleared(situation) | {
-            assignment.location
-            for assignment in assignments
-            if assignment.location in blockades and assignment.location is not None
-        }
-        if not idle or taken >= blockades:
-            return list(assignments)
-        travel = Travel.of(situation, self.memory)
-        return [*assignments, *clear_nearest(situation, travel, idle, taken)]
-
     def _steps(self, plan: planner.Plan) -> tuple[PlanStep, ...]:
-        names = self.formulation.names(self.situation.state)
+        names = self.formulation.names(self.state)
         return tuple(
             PlanStep(
                 start_s=self.situation.state.time_s + step.start,
@@ -344,7 +318,7 @@ class Planning:
 
     def _visits_s(self, plan: planner.Plan) -> dict[str, float]:
         """When each target is visited, from now [s]."""
-        names = self.formulation.names(self.situation.state)
+        names = self.formulation.names(self.state)
         return {
             order.location: step.end
             for step in plan
@@ -361,7 +335,7 @@ class Planning:
         later = sorted({*self.situation.deadlines_s, *self.situation.priorities} - visits_s.keys())
         if not later:
             return visits_s
-        state = self.situation.state
+        state = self.state
         names, travel = self.formulation.names(state), Travel.of(self.situation, self.memory)
         last: dict[str, tuple[float, str]] = {}
         explores: set[str] = set()

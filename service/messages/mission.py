@@ -18,6 +18,10 @@ class RobotTypeMessage(Message):
     enters: list[Identifier] = Field(default_factory=lambda: ["default"], min_length=1)
     capacity: Annotated[int, Field(ge=0, le=1000)] = 0
     """Rovers that a carrier holds at once."""
+    dock_duration_s: Annotated[float, Field(ge=0.0, le=1e5)] = 20.0
+    """Time that a rover of this type takes to drive onto a carrier [s]."""
+    undock_duration_s: Annotated[float, Field(ge=0.0, le=1e5)] = 10.0
+    """Time that it takes to leave a carrier [s]."""
 
 
 class RobotMessage(Message):

@@ -112,3 +112,23 @@ def test_a_rover_in_the_open_starts_from_a_place_of_its_own() -> None:
     state = replace(examples.annex(1, 1, 2), robots=(RobotState("rover_1_1", "rover", (2.6, 3.4)),))
     text = FORMULATION.problem(world_of(state), state)
     assert "(at rover_1_1 rover_1_1_place)" in text
+
+
+def test_worthwhile_are_the_doors_of_rooms_with_a_target_or_a_rover() -> None:
+    """Rooms without a way between them for rovers."""
+
+    def cost(_robot: str, start: str, goal: str) -> float:
+        number = {"rover_1_1_place": "1"}.get(start, start[-1])
+        return 1.0 if number == goal[-1] else float("inf")
+
+    state = examples.annex(1, 1, 2)
+    doors = [meeting.id for meeting in FORMULATION.worthwhile(cost, state)]
+    assert doors == [meeting.id for meeting in state.meeting_points] == ["door_1", "door_2"]
+    west = replace(state, targets=tuple(t for t in state.targets if t.id == "room_1"))
+    assert [meeting.id for meeting in FORMULATION.worthwhile(cost, west)] == ["door_1"]
+    left_behind = with_robot(
+        replace(state, targets=()), "rover_1_1", activity=Activity.FREE, partner=None
+    )
+    assert [meeting.id for meeting in FORMULATION.worthwhile(cost, left_behind)] == ["door_1"]
+    nobody = with_robot(state, "rover_1_1", activity=Activity.FAILED)
+    assert FORMULATION.worthwhile(cost, nobody) == ()

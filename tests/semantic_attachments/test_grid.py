@@ -8,7 +8,7 @@ import pytest
 from semantic_attachments import EvaluationError, Memory, RobotModel, World, bind
 from semantic_attachments.path_costs import PathCosts
 
-NAMES = ("pathCost", "clearCost", "dockCost", "undockCost")
+NAMES = ("pathCost", "exploreCost", "clearCost", "dockCost", "undockCost")
 
 
 def test_durations(two_rooms: World) -> None:
@@ -25,7 +25,8 @@ def test_durations(two_rooms: World) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_an_unknown_robot_is_named(two_rooms: World, name: str) -> None:
-    arguments = ("ghost", "west", "east") if name == "pathCost" else ("ghost", "door")
+    ways = ("pathCost", "exploreCost")
+    arguments = ("ghost", "west", "east") if name in ways else ("ghost", "door")
     with pytest.raises(EvaluationError, match="no robot 'ghost'"):
         bind([name], two_rooms)[name](*arguments)
 
@@ -42,3 +43,14 @@ def test_a_memory_carries_path_costs_over(two_rooms: World) -> None:
     costs = second.inner
     assert isinstance(costs, PathCosts)
     assert (costs.statistics.fields, costs.statistics.kept) == (0, 1)
+
+
+def test_exploring_takes_the_way_and_the_sweep_behind_it(two_rooms: World) -> None:
+    robots = {"robot": RobotModel("rover", 0.2, 0.5, sensor_range_m=4.0)}
+    places = {**two_rooms.locations}
+    places["east"] = replace(places["east"], unknown_m2=24.0)
+    bound = bind(["pathCost", "exploreCost"], replace(two_rooms, locations=places, robots=robots))
+    way_s = bound["pathCost"]("robot", "west", "east")
+    # 4 m wide at 0.5 m/s: 2 m^2/s.
+    assert bound["exploreCost"]("robot", "west", "east") == pytest.approx(way_s + 12.0)
+    assert bound["exploreCost"]("robot", "east", "west") == pytest.approx(way_s)

@@ -8,6 +8,7 @@ from in_process import serving
 from scripted_fleet import Robot, ScriptedFleet, map_json, walls
 from test_mission_loop import drive
 
+from domains.mission_state import MeetingPoint
 from semantic_attachments.world import GridMap, RobotModel
 from service.app import create_app
 from service.coordination.meeting_points import meeting_points
@@ -95,3 +96,28 @@ def test_a_long_border_has_several() -> None:
         "rover": RobotModel("rover", 0.3, 1.0, enters=("b",)),
     }
     assert [point.position_m[1] for point in meeting_points(grid, models)] == [2.25] * 3
+
+
+def test_meeting_points_stay_where_they_are_while_the_border_grows() -> None:
+    """Seen bit by bit, a border keeps its meeting points and gets more where it has none."""
+    terrain = np.zeros((10, 60), dtype=np.uint8)
+    terrain[5:] = 1
+    models = {
+        "carrier": RobotModel("carrier", 0.3, 1.0, enters=("a",), capacity=2),
+        "rover": RobotModel("rover", 0.3, 1.0, enters=("b",)),
+    }
+
+    def seen(columns: int, occupancy: int = 0) -> GridMap:
+        cells = np.full((10, 60), -1, dtype=np.int8)
+        cells[:, :columns] = occupancy
+        return GridMap(cells, 0.5, terrain=terrain, terrain_classes=("a", "b"))
+
+    points: tuple[MeetingPoint, ...] = ()
+    counts = []
+    for columns in (6, 20, 30, 60):
+        grown = meeting_points(seen(columns), models, points)
+        assert grown[: len(points)] == points
+        points = grown
+        counts.append(len(points))
+    assert counts == [1, 1, 2, 3]
+    assert meeting_points(seen(60, occupancy=100), models, points) == ()

@@ -20,3 +20,5 @@ def apply_frontiers(mission: Mission, event: FrontiersFound) -> None:
             mission.frontiers_named += 1
         else:
             known.position_m = found.position_m
+            if found.id in mission.target_places_m:
+                mission.target_places_m[found.id] = found.position_m

@@ -19,6 +19,11 @@ def apply_orders(mission: Mission, event: OrdersIssued) -> None:
         )
         mission.plan_disturbed = event.disturbed
         mission.done = list(event.done)
+        mission.target_places_m = {
+            target.id: target.position_m
+            for target in mission.targets.values()
+            if target.is_frontier
+        }
     for command in event.commands:
         if command.id not in mission.issued_at_s:
             mission.issued_at_s[command.id] = event.time_s

@@ -55,8 +55,10 @@ def _apply_patches(mission: Mission, report: Report) -> None:
     mission.hopeless_since_s = None
     mission.decide(mission.time_s, "map changed", f"in {change.cells} cells")
     types = mission.request.robot_types
-    if any(kind.capacity > 0 for kind in types.values()):
+    carries = any(kind.capacity > 0 for kind in types.values())
+    if carries and mission.request.exploration is None:
         # Where carriers and rovers meet may have moved: the plan in force names the old places.
+        # In an exploration every patch would do so; there the plan goes on as far as it can.
         mission.disturb()
     for command in mission.commands.values():
         radius_m = types[mission.robots[command.robot].type].radius_m

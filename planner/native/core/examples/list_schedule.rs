@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let task = support::read_task(domain, problem)?;
     let grounded = began.elapsed();
     let began = Instant::now();
-    let Some(mut optimiser) = Optimiser::new(&task, seed.parse()?) else {
+    let Some(mut optimiser) = Optimiser::new(&task, seed.parse()?, None) else {
         println!("unsupported in the list-schedule space");
         return Ok(());
     };

@@ -32,6 +32,9 @@ pub struct SolveOptions<'a> {
     pub first_plan_only: bool,
     /// The plan in execution, its times counted from now; what is left of it may be the first plan.
     pub warm_start: Option<&'a Plan>,
+    /// Weight of the mean time at which goals are reached, beside the makespan; 0 for the makespan
+    /// alone. What counts where a plan covers only the goals known so far.
+    pub promptness: f64,
     /// Where to tell what has been done so far.
     pub progress: Option<&'a Progress>,
     /// What guides the decision-epoch search; `None` leaves it to the portfolio.
@@ -76,6 +79,7 @@ impl Default for SolveOptions<'_> {
             cancel: None,
             first_plan_only: false,
             warm_start: None,
+            promptness: 0.0,
             progress: None,
             heuristic: None,
             space: Space::Portfolio,
@@ -88,7 +92,8 @@ impl Default for SolveOptions<'_> {
 pub struct FoundPlan {
     /// The plan.
     pub plan: Plan,
-    /// Its value under the problem's metric; the makespan if there is none.
+    /// Its value under the problem's metric; the makespan, with its share of the mean goal time, if
+    /// there is none.
     pub cost: f64,
     /// Since the call [s].
     pub wall_s: f64,

@@ -110,7 +110,7 @@ impl Case {
         nodes: u64,
         incumbent: Option<&[OperatorId]>,
     ) -> (Ending, Vec<Schedule>, f64) {
-        let mut optimiser = Optimiser::new(&self.task, seed).expect("supported");
+        let mut optimiser = Optimiser::new(&self.task, seed, None).expect("supported");
         let cancel = AtomicBool::new(false);
         let limits = Limits {
             deadline: None,

@@ -39,6 +39,7 @@ struct Settings {
     warm_start: Option<Plan>,
     heuristic: Option<Choice>,
     space: Space,
+    promptness: f64,
 }
 
 /// Something that a search tells.
@@ -95,7 +96,7 @@ impl Search {
     /// Starts searching.
     #[new]
     #[pyo3(signature = (problem, attachments, *, timeout_s, seed, threads, node_limit, memory_limit,
-        first_plan_only, warm_start, heuristic, space))]
+        first_plan_only, warm_start, heuristic, space, promptness))]
     #[allow(clippy::too_many_arguments)] // keywords of one Python call
     fn new(
         problem: &Problem,
@@ -109,6 +110,7 @@ impl Search {
         warm_start: Option<Vec<StepTuple>>,
         heuristic: Option<&str>,
         space: &str,
+        promptness: f64,
     ) -> PyResult<Self> {
         let domain = Arc::clone(&problem.domain.get().model);
         let problem = Arc::clone(&problem.model);
@@ -125,6 +127,7 @@ impl Search {
             heuristic: heuristic.map(chosen).transpose()?,
             space: Space::named(space)
                 .ok_or_else(|| PyValueError::new_err(format!("no space is called {space}")))?,
+            promptness,
         };
         let progress = Arc::new(Progress::default());
         let (sender, messages) = channel();
@@ -258,6 +261,7 @@ fn run(
         cancel: Some(cancel),
         first_plan_only: settings.first_plan_only,
         warm_start: settings.warm_start.as_ref(),
+        promptness: settings.promptness,
         progress: Some(progress),
         heuristic: settings.heuristic,
         space: settings.space,

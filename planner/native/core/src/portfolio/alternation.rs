@@ -108,7 +108,8 @@ pub(super) fn run(
         if let Some(outcome) = setting.over(incumbent, search.statistics.expansions) {
             break Ok(outcome);
         }
-        if epoch_open {
+        let settled = setting.promptness.is_some() && optimiser.is_some() && incumbent.exists();
+        if epoch_open && !settled {
             let alone = optimiser.is_none();
             let share = match (alone, incumbent.exists()) {
                 (true, _) => 4.0,

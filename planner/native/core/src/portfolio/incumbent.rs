@@ -6,6 +6,7 @@ use crate::epoch::search::Found;
 use crate::epoch::transitions::Transitions;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
+use crate::schedule::Promptness;
 use crate::solve::{FoundPlan, SolveReport};
 use crate::task::{OperatorId, Task};
 
@@ -16,6 +17,7 @@ pub struct Incumbent<'a> {
     /// The report under construction.
     pub report: &'a mut SolveReport,
     improved: &'a mut dyn FnMut(&Plan),
+    promptness: Option<Promptness>,
     /// Operators of the best plan by start.
     operators: Vec<OperatorId>,
 }
@@ -28,12 +30,14 @@ impl<'a> Incumbent<'a> {
         begun: Instant,
         report: &'a mut SolveReport,
         improved: &'a mut dyn FnMut(&Plan),
+        promptness: Option<Promptness>,
     ) -> Self {
         Self {
             task,
             begun,
             report,
             improved,
+            promptness,
             operators: Vec::new(),
         }
     }
@@ -44,8 +48,8 @@ impl<'a> Incumbent<'a> {
         !self.report.plans.is_empty()
     }
 
-    /// The makespan below which plans are of interest [s]; infinite where something else is
-    /// minimised.
+    /// The makespan below which plans are of interest [s]: none is worth less than its makespan.
+    /// Infinite where something else is minimised.
     #[must_use]
     pub fn bound(&self) -> f64 {
         match self.report.plans.last() {
@@ -72,17 +76,29 @@ impl<'a> Incumbent<'a> {
         valid
     }
 
+    /// What a plan of either search is worth.
+    fn cost(&self, found: &Found) -> f64 {
+        let Some(promptness) = &self.promptness else {
+            return found.cost;
+        };
+        let steps = found.steps.iter();
+        let ends = steps.map(|(operator, start, length)| (*operator, start + length.unwrap_or(0.0)));
+        let makespan = ends.clone().map(|(_, end)| end).fold(0.0, f64::max);
+        makespan + promptness.cost(ends)
+    }
+
     /// Takes a plan if it is better than all before.
     pub fn offer(&mut self, found: &Found) -> bool {
+        let cost = self.cost(found);
         let maximise = self.task.metric.as_ref().is_some_and(|m| m.maximise);
         let better = self.report.plans.last().is_none_or(|best| {
             if maximise {
-                found.cost > best.cost + 1e-9
+                cost > best.cost + 1e-9
             } else {
-                found.cost < best.cost - 1e-9
+                cost < best.cost - 1e-9
             }
         });
-        if !better || found.cost.is_nan() {
+        if !better || cost.is_nan() {
             return false;
         }
         let plan = found.plan(self.task);
@@ -90,7 +106,7 @@ impl<'a> Incumbent<'a> {
         self.operators = found.steps.iter().map(|step| step.0).collect();
         self.report.plans.push(FoundPlan {
             plan,
-            cost: found.cost,
+            cost,
             wall_s: self.begun.elapsed().as_secs_f64(),
         });
         true

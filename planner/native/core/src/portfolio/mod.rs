@@ -26,7 +26,7 @@ use crate::heuristic::critical_path::makespan_bound;
 use crate::heuristic::relaxed::RelaxedTask;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
-use crate::schedule::{Optimiser, Schedule};
+use crate::schedule::{Optimiser, Promptness, Schedule};
 use crate::solve::{SolveError, SolveOptions, SolveReport, Space};
 use crate::task::Task;
 
@@ -48,6 +48,9 @@ struct Setting<'a> {
     heuristic: Choice,
     graphs: Option<&'a Graphs>,
     completeness: Completeness,
+    /// Weighs the mean goal time too; the decision-epoch search, which does not, then only finds a
+    /// first plan.
+    promptness: Option<Promptness>,
 }
 
 impl<'a> Setting<'a> {
@@ -133,7 +136,7 @@ impl<'a> Setting<'a> {
     /// What an exhausted decision-epoch space proves.
     fn exhausted_with(&self, incumbent: &Incumbent<'_>, chose_duration: bool) -> Outcome {
         match (incumbent.exists(), chose_duration) {
-            (true, false) if self.completeness.keeps_optima => Outcome::SolvedOptimally,
+            (true, false) if self.completeness.keeps_optima && self.promptness.is_none() => Outcome::SolvedOptimally,
             (true, _) => Outcome::Solved,
             (false, false) if self.completeness.finds_plans => Outcome::ProvenUnsolvable,
             (false, _) => Outcome::Exhausted,
@@ -181,6 +184,7 @@ pub fn run(
         heuristic,
         graphs: graphs.as_ref(),
         completeness: analyse(task),
+        promptness: Promptness::new(task, options.promptness),
     };
     let bound = makespan_bound(&compiled, &relaxed);
     if bound.is_infinite() {
@@ -190,7 +194,8 @@ pub fn run(
     if task.metric.is_none() && !task.partial {
         report.lower_bound = bound;
     }
-    let mut incumbent = Incumbent::new(task, begun, report, improved);
+    let mut incumbent =
+        Incumbent::new(task, begun, report, improved, setting.promptness.clone());
     if is_solved_at_once(&setting) {
         incumbent.offer(&Found {
             steps: Vec::new(),
@@ -204,10 +209,14 @@ pub fn run(
         .map(|plan| warm_start::operators(task, plan))
         .unwrap_or_default();
     let optimiser = (options.space == Space::Portfolio)
-        .then(|| Optimiser::new(task, options.seed))
+        .then(|| Optimiser::new(task, options.seed, setting.promptness.clone()))
         .flatten();
     let outcome = match optimiser {
-        Some(optimiser) if options.threads > 1 && options.node_limit.is_none() => {
+        Some(optimiser)
+            if options.threads > 1
+                && options.node_limit.is_none()
+                && setting.promptness.is_none() =>
+        {
             threads::run(&setting, optimiser, &warm, &mut incumbent)?
         }
         optimiser => alternation::run(&setting, optimiser, &warm, &mut incumbent)?,

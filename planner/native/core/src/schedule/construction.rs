@@ -143,7 +143,7 @@ impl Workshop {
         let mut order = self.propositions.goal.clone();
         let mut labelling = self.labelling();
         if first {
-            labelling.effort = if self.objective.is_makespan() {
+            labelling.effort = if self.objective.is_time() {
                 0.05
             } else {
                 1.0

@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn start_effects_count_from_the_start_but_goals_last_to_the_end() {
         let task = task(FACTORY);
-        let workshop = Workshop::new(&task, 0).expect("supported");
+        let workshop = Workshop::new(&task, 0, None).expect("supported");
         let bounds = goal_bounds(&workshop.model, &workshop.propositions, &workshop.state);
         // prime: [0, 4], adds primed at its end; paint starts 0.001 later, adds painted at its
         // start and lasts 3; pack reads painted 0.001 after that and lasts 2.

@@ -25,6 +25,7 @@ mod neighbourhood;
 mod numbering;
 mod objective;
 mod optimiser;
+mod promptness;
 mod propositions;
 mod repair;
 mod rows;
@@ -35,3 +36,4 @@ mod windows;
 mod workshop;
 
 pub use optimiser::{Ending, Limits, Optimiser, Schedule, ScheduledOperator};
+pub use promptness::Promptness;

@@ -2,21 +2,23 @@
 
 use crate::pddl::model::Arithmetic;
 use crate::schedule::model::{Model, fluents_of};
+use crate::schedule::promptness::Promptness;
 use crate::schedule::state::State;
-use crate::task::{GroundExpression, Task};
+use crate::task::{GroundExpression, OperatorId, Task};
 
 /// Weight of the mean goal time: leads the search where the makespan is flat.
 const MEAN_GOAL_WEIGHT: f64 = 0.05;
 
-/// The makespan, or the task's metric.
+/// The makespan, perhaps with a share of the mean goal time, or the task's metric.
 #[derive(Clone, Debug)]
 pub struct Objective {
     metric: Option<(f64, GroundExpression)>,
+    promptness: Option<Promptness>,
 }
 
 impl Objective {
     /// Reads the task's metric; `None` if it calls an attachment.
-    pub fn new(task: &Task) -> Option<Self> {
+    pub fn new(task: &Task, promptness: Option<Promptness>) -> Option<Self> {
         let metric = match &task.metric {
             None => None,
             Some(metric) if !metric.maximise && is_total_time(&metric.expression) => None,
@@ -26,20 +28,33 @@ impl Objective {
                 Some((sign, metric.expression.clone()))
             }
         };
-        Some(Self { metric })
+        Some(Self { metric, promptness })
     }
 
-    /// Whether the makespan is what counts.
-    pub fn is_makespan(&self) -> bool {
+    /// Whether time is what counts: no plan is worth less than its makespan.
+    pub fn is_time(&self) -> bool {
         self.metric.is_none()
+    }
+
+    /// Whether the makespan is all that counts.
+    pub fn is_makespan(&self) -> bool {
+        self.metric.is_none() && self.promptness.is_none()
     }
 
     /// What has to become small: the makespan, or the metric (negated to maximise).
     pub fn primary(&self, state: &State) -> f64 {
         match &self.metric {
-            None => state.makespan,
+            None => state.makespan + self.tardiness(state),
             Some((sign, expression)) => sign * state.evaluate(expression, 0.0, &[]),
         }
+    }
+
+    fn tardiness(&self, state: &State) -> f64 {
+        let Some(promptness) = &self.promptness else {
+            return 0.0;
+        };
+        let steps = state.list.iter();
+        promptness.cost(steps.map(|step| (OperatorId(step.operator), step.end())))
     }
 
     /// The primary value with a small share of what leads to it.

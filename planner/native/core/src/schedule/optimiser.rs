@@ -9,6 +9,7 @@ use rand::RngExt;
 use crate::plan::Plan;
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::model::NONE;
+use crate::schedule::promptness::Promptness;
 use crate::schedule::repair::Item;
 use crate::schedule::state::Dispatch;
 use crate::schedule::workshop::Workshop;
@@ -61,7 +62,8 @@ pub struct Schedule {
     pub operators: Vec<ScheduledOperator>,
     /// End of the last one [s].
     pub makespan: f64,
-    /// What was minimised: the makespan, or the metric (negated to maximise).
+    /// What was minimised: the makespan with its share of the mean goal time, or the metric (negated
+    /// to maximise).
     pub cost: f64,
 }
 
@@ -111,8 +113,8 @@ impl<'t> Optimiser<'t> {
     /// Compiles a task; `None` if it needs the other search space (attachments that depend on the
     /// state, derived facts).
     #[must_use]
-    pub fn new(task: &'t Task, seed: u64) -> Option<Self> {
-        let workshop = Workshop::new(task, seed)?;
+    pub fn new(task: &'t Task, seed: u64, promptness: Option<Promptness>) -> Option<Self> {
+        let workshop = Workshop::new(task, seed, promptness)?;
         let bound = if workshop.model.excluded_any {
             0.0
         } else {
@@ -295,7 +297,7 @@ impl<'t> Optimiser<'t> {
     /// Schedules that end later than this cannot be better than the best.
     fn threshold(&self) -> f64 {
         match &self.best {
-            Some(best) if self.workshop.objective.is_makespan() => best.makespan,
+            Some(best) if self.workshop.objective.is_time() => best.cost,
             _ => f64::INFINITY,
         }
     }
@@ -371,7 +373,7 @@ impl<'t> Optimiser<'t> {
             let luck: f64 = self.workshop.random.random();
             let accepted = value - temperature * luck.max(1e-12).ln();
             // The value is never below the makespan: stop schedules that end too late.
-            let bound = if self.workshop.objective.is_makespan() {
+            let bound = if self.workshop.objective.is_time() {
                 accepted
             } else {
                 f64::INFINITY

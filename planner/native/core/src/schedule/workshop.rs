@@ -8,6 +8,7 @@ use crate::schedule::exploration::{Exploration, Labelling, Question, Restriction
 use crate::schedule::lower_bound::goal_bounds;
 use crate::schedule::model::{Model, NONE};
 use crate::schedule::objective::Objective;
+use crate::schedule::promptness::Promptness;
 use crate::schedule::propositions::Propositions;
 use crate::schedule::state::{Dispatch, State};
 use crate::task::Task;
@@ -37,13 +38,13 @@ pub struct Workshop {
 
 impl Workshop {
     /// Compiles a task; `None` if the list-schedule space cannot express it.
-    pub fn new(task: &Task, seed: u64) -> Option<Self> {
+    pub fn new(task: &Task, seed: u64, promptness: Option<Promptness>) -> Option<Self> {
         let model = Model::new(task)?;
         let state = State::new(&model, task);
-        let objective = Objective::new(task)?;
+        let objective = Objective::new(task, promptness)?;
         let costs = objective.operator_costs(&model, &state);
         let propositions = Propositions::new(&model, &state, &costs);
-        let exploration = Exploration::new(&propositions, objective.is_makespan());
+        let exploration = Exploration::new(&propositions, objective.is_time());
         Some(Self {
             longest: 2_000 + 20 * model.goal.len(),
             objective,
@@ -61,7 +62,7 @@ impl Workshop {
 
     /// Random labels: mostly earliest times, sometimes with weight on additive cost.
     pub fn labelling(&mut self) -> Labelling {
-        let effort = if self.objective.is_makespan() {
+        let effort = if self.objective.is_time() {
             [0.0, 0.0, 0.05, 0.2, 1.0][self.random.random_range(0..5)]
         } else {
             [0.1, 1.0, 10.0][self.random.random_range(0..3)]
