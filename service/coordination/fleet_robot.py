@@ -61,6 +61,6 @@ def fleet_robot(robot: RobotMessage, time_s: float) -> FleetRobot:
     )
 
 
-def apart(one: Pose, other: Pose) -> bool:
+def apart(one: Pose, other: Pose, tolerance_m: float = ARRIVAL_TOLERANCE_M) -> bool:
     """Whether two poses are different places."""
-    return hypot(one[0] - other[0], one[1] - other[1]) > ARRIVAL_TOLERANCE_M
+    return hypot(one[0] - other[0], one[1] - other[1]) > tolerance_m

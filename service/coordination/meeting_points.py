@@ -18,6 +18,8 @@ from semantic_attachments.world import GridMap, RobotModel
 FREE_BELOW = 65
 SPACING_M = 10.0
 """A border longer than this has more than one meeting point."""
+PREFIX = "meeting "
+"""How ids of meeting points begin; they hold a space, which no id of a fleet does."""
 EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
 
 
@@ -52,8 +54,13 @@ def meeting_points(
     for piece in pieces:
         if there.keys().isdisjoint((piece @ [grid.width, 1]).tolist()):
             row, column = _middle(piece)
-            found.append(MeetingPoint(f"meeting {row} {column}", _centre_m(grid, row, column)))
+            found.append(MeetingPoint(f"{PREFIX}{row} {column}", _centre_m(grid, row, column)))
     return tuple(found)
+
+
+def is_meeting_point(place: str | None) -> bool:
+    """Whether the id of a place is that of a meeting point."""
+    return place is not None and place.startswith(PREFIX)
 
 
 def _enterable(grid: GridMap, models: Sequence[RobotModel]) -> NDArray[np.bool_]:

@@ -82,7 +82,8 @@ impl<'a> Incumbent<'a> {
             return found.cost;
         };
         let steps = found.steps.iter();
-        let ends = steps.map(|(operator, start, length)| (*operator, start + length.unwrap_or(0.0)));
+        let ends =
+            steps.map(|(operator, start, length)| (*operator, start + length.unwrap_or(0.0)));
         let makespan = ends.clone().map(|(_, end)| end).fold(0.0, f64::max);
         makespan + promptness.cost(ends)
     }

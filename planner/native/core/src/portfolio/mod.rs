@@ -136,7 +136,9 @@ impl<'a> Setting<'a> {
     /// What an exhausted decision-epoch space proves.
     fn exhausted_with(&self, incumbent: &Incumbent<'_>, chose_duration: bool) -> Outcome {
         match (incumbent.exists(), chose_duration) {
-            (true, false) if self.completeness.keeps_optima && self.promptness.is_none() => Outcome::SolvedOptimally,
+            (true, false) if self.completeness.keeps_optima && self.promptness.is_none() => {
+                Outcome::SolvedOptimally
+            }
             (true, _) => Outcome::Solved,
             (false, false) if self.completeness.finds_plans => Outcome::ProvenUnsolvable,
             (false, _) => Outcome::Exhausted,
@@ -194,8 +196,7 @@ pub fn run(
     if task.metric.is_none() && !task.partial {
         report.lower_bound = bound;
     }
-    let mut incumbent =
-        Incumbent::new(task, begun, report, improved, setting.promptness.clone());
+    let mut incumbent = Incumbent::new(task, begun, report, improved, setting.promptness.clone());
     if is_solved_at_once(&setting) {
         incumbent.offer(&Found {
             steps: Vec::new(),

@@ -143,11 +143,7 @@ impl Workshop {
         let mut order = self.propositions.goal.clone();
         let mut labelling = self.labelling();
         if first {
-            labelling.effort = if self.objective.is_time() {
-                0.05
-            } else {
-                1.0
-            };
+            labelling.effort = if self.objective.is_time() { 0.05 } else { 1.0 };
             labelling.noise = 0.05;
             labelling.protect = true;
         }

@@ -67,7 +67,10 @@ mod tests {
         let ends = [4.0, 7.0, 6.0, 1.0];
         // Goals: packed at 6, swept at 7, clean at 1; priming achieves none of them.
         let cost = promptness.cost(steps.into_iter().zip(ends));
-        assert!((cost - 2.0 * (6.0 + 7.0 + 1.0) / 3.0).abs() < 1e-9, "{cost}");
+        assert!(
+            (cost - 2.0 * (6.0 + 7.0 + 1.0) / 3.0).abs() < 1e-9,
+            "{cost}"
+        );
     }
 
     #[test]
