@@ -17,7 +17,7 @@ def with_idle_robots(
     """A plan's assignments, and one for robots that it does not need."""
     busy = {assignment.robot for assignment in assignments}
     ordered = _with_clearers(assignments, busy, situation, memory)
-    if situation.exploring:
+    if situation.explores_with_carriers:
         ordered += _rovers(busy, situation, memory)
     return ordered
 
@@ -41,7 +41,6 @@ def _with_clearers(
 
 def _rovers(busy: set[str], situation: Situation, memory: Memory) -> list[Assignment]:
     """A rover without work goes where it can be fetched: to the nearest meeting point."""
-    carries = any(model.capacity > 0 for model in situation.models.values())
     meetings = [meeting.id for meeting in situation.state.meeting_points]
     idle = [
         robot
@@ -51,7 +50,7 @@ def _rovers(busy: set[str], situation: Situation, memory: Memory) -> list[Assign
         and situation.models[robot.type].capacity == 0
         and robot.arrived_at not in meetings
     ]
-    if not (carries and meetings and idle):
+    if not (meetings and idle):
         return []
     travel = Travel.of(situation, memory)
     orders = []

@@ -64,6 +64,11 @@ class Situation:
     instructions: tuple[tuple[str, Instruction], ...] = ()
     """All that people have said, with ids, for remarks."""
 
+    @property
+    def explores_with_carriers(self) -> bool:
+        """Whether plans are made for what is known so far, and more of it will be carrying."""
+        return self.exploring and bool(self.state.capacities)
+
 
 @dataclass(frozen=True, slots=True)
 class Proposal:

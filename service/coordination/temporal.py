@@ -19,7 +19,6 @@ from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
 from service.coordination.follow_ups import follow_ups
-from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
 from service.coordination.idle_robots import with_idle_robots
 from service.coordination.plan_choice import PROMPTNESS, steadiest
 from service.coordination.plan_lag import behind_s
@@ -35,6 +34,10 @@ from service.messages.plan import PlanStep
 LOG = logging.getLogger(__name__)
 LAG_TOLERATED = 0.1
 """Part of the time left by which a team may be late that goes on without a new search."""
+FULL_SEARCH = 120
+"""Robots times goals up to which a team that explores searches as long as it may."""
+LEAST_NODES = 250
+"""Search nodes that a revised plan gets in any case."""
 PRIORITY_SLACK = 1.05
 """A plan for everything may visit urgent targets this much later than a plan for them alone."""
 
@@ -125,7 +128,7 @@ class Planning:
         if formulation.names(fewer).agree_with(names):
             state = fewer
         revision = Revision(situation.in_force)
-        if situation.exploring:
+        if situation.explores_with_carriers:
             reached = {command.location or "" for command in situation.done}
             revision = revised(situation.in_force, reached, state, situation.target_places_m)
         return cls(situation, memory, formulation, domain, world, bound, state, revision)
@@ -137,12 +140,13 @@ class Planning:
         unreachable = frozenset(target.id for target in state.targets) - goals
         if not goals:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
-        goes_on = self.situation.exploring and self.situation.only_map_changed
-        if (self.situation.hurried or goes_on) and (kept := self._kept(None, goals)) is not None:
+        explores = self.situation.explores_with_carriers
+        goes_on = self.situation.hurried or (explores and self.situation.only_map_changed)
+        if goes_on and (kept := self._kept(None, goals)) is not None:
             return kept
         plan, how = self._plan(goals)
-        # A team that explores compares the plans that keep robots on their ways with the others.
-        if not self.situation.exploring and (kept := self._kept(plan, goals)) is not None:
+        # A team that explores has compared plans that keep robots on their ways with the others.
+        if not explores and (kept := self._kept(plan, goals)) is not None:
             return kept
         assignments = with_idle_robots(
             self.formulation.assignments(plan, state), self.situation, self.memory
@@ -228,14 +232,14 @@ class Planning:
             self.formulation.problem(self.world, state, sorted(goals)),
             attachments=self.attachments,
             timeout_s=planning.time_limit_s,
-            node_limit=planning.node_limit,
+            node_limit=self._node_limit(len(goals)),
             seed=planning.seed,
             warm_start=self._warm_start(goals),
-            promptness=PROMPTNESS if self.situation.exploring else 0.0,
+            promptness=PROMPTNESS if self.situation.explores_with_carriers else 0.0,
         )
         if result.plan is None:
             raise PlanNotFoundError(f"planning ended without a plan ({result.outcome})")
-        if not self.situation.exploring:
+        if not self.situation.explores_with_carriers:
             return result.plan
         going = {
             robot: self.revision.successors.get(place, place)
@@ -243,6 +247,18 @@ class Planning:
             if place not in self.revision.gone
         }
         return steadiest(result.plans, going, self.formulation, state)
+
+    def _node_limit(self, goals: int) -> int | None:
+        """Search nodes; fewer for a large problem where every few seconds bring another one.
+
+        A plan that is revised again and again needs no long search each time, and a list takes
+        the longer the more robots and goals it is about.
+        """
+        limit = self.situation.planning.node_limit
+        if limit is None or not self.situation.explores_with_carriers:
+            return limit
+        size = max(len(self.state.robots) * goals, 1)
+        return min(limit, max(LEAST_NODES, limit * FULL_SEARCH // size))
 
     # The plan in force
 
@@ -252,7 +268,7 @@ class Planning:
             return None
         left = remainder(self.formulation, state, steps, self.situation.done)
         plan = from_here(left, self.formulation, state)
-        if not self.situation.exploring:
+        if not self.situation.explores_with_carriers:
             return plan
         cost = self.attachments["pathCost"]
         return with_new_targets(plan, goals, state, self.formulation, cost)
