@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 from math import hypot
 
+from service.coordination.meeting_points import is_meeting_point
 from service.messages.base import Pose, Position
 from service.messages.mission import RobotMessage
 from service.messages.report import RobotActivity
 
 ARRIVAL_TOLERANCE_M = 0.5
 """A robot that has moved further than this has left the place where it arrived."""
+MEETING_TOLERANCE_M = 1.5
+"""Robots that meet make room for one another: so near the point they are still there [m]."""
 
 
 @dataclass(slots=True)
@@ -64,3 +67,10 @@ def fleet_robot(robot: RobotMessage, time_s: float) -> FleetRobot:
 def apart(one: Pose, other: Pose, tolerance_m: float = ARRIVAL_TOLERANCE_M) -> bool:
     """Whether two poses are different places."""
     return hypot(one[0] - other[0], one[1] - other[1]) > tolerance_m
+
+
+def has_left(robot: FleetRobot) -> bool:
+    """Whether a robot is not any more where its last movement led to."""
+    meets = is_meeting_point(robot.arrived_at)
+    tolerance_m = MEETING_TOLERANCE_M if meets else ARRIVAL_TOLERANCE_M
+    return apart(robot.pose, robot.arrival_pose, tolerance_m)

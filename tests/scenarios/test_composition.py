@@ -104,3 +104,15 @@ def test_radio_and_drift_reach_the_fleet(tmp_path: Path) -> None:
     fleet = compose(limited, seed=1, folder=tmp_path).fleet
     assert fleet.communication == Communication(20.0, (3.0, 4.0), 600.0)
     assert fleet.noise.odometry_m == 0.05
+
+
+@pytest.mark.parametrize(("carriers", "rovers"), [(1, 1), (2, 6), (6, 18)])
+def test_carriers_hold_the_rovers_that_the_team_gives_them(
+    tmp_path: Path, carriers: int, rovers: int
+) -> None:
+    maze = read_scenario(HOSPITAL.parents[1] / "marsupial" / "maze.toml")
+    team = maze.model_copy(update={"team": {"carrier": carriers, "rover": rovers}})
+    fleet = compose(team, seed=1, folder=tmp_path).fleet
+    aboard = [sum(r.carrier == c.id for r in fleet.robots) for c in fleet.robots[:carriers]]
+    assert aboard == [rovers // carriers] * carriers
+    assert fleet.type_of(fleet.robots[0]).capacity == max(2, rovers // carriers)

@@ -1,7 +1,6 @@
 """What a report of the fleet does to a mission."""
 
-from service.coordination.fleet_robot import ARRIVAL_TOLERANCE_M, apart
-from service.coordination.meeting_points import is_meeting_point
+from service.coordination.fleet_robot import apart, has_left
 from service.coordination.mission import Mission, MissionBlockade
 from service.messages.report import (
     Command,
@@ -14,8 +13,6 @@ from service.messages.report import (
 )
 
 _BUSY: frozenset[RobotActivity] = frozenset({"clearing", "docking", "undocking"})
-MEETING_TOLERANCE_M = 1.5
-"""Robots that meet make room for one another: so near the point they are still there [m]."""
 _LOCATED: frozenset[CommandKind] = frozenset({"move", "explore", "dock", "undock"})
 
 
@@ -90,9 +87,7 @@ def _apply_robot(mission: Mission, report: RobotReport) -> None:
     if fails:
         mission.drop_command(robot.id)
         mission.disturb()
-    meets = is_meeting_point(robot.arrived_at)
-    tolerance_m = MEETING_TOLERANCE_M if meets else ARRIVAL_TOLERANCE_M
-    if robot.state != "docked" and apart(robot.pose, robot.arrival_pose, tolerance_m):
+    if robot.state != "docked" and has_left(robot):
         robot.arrived_at = None
 
 

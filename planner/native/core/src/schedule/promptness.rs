@@ -52,10 +52,9 @@ mod tests {
     use crate::schedule::testing::{FACTORY, task};
 
     fn named(task: &Task, name: &str) -> OperatorId {
-        let index = (0..task.operators.len() as u32).map(OperatorId);
-        index
-            .filter(|operator| task.operator_name(*operator) == name)
-            .last()
+        let mut operators = (0..task.operators.len() as u32).map(OperatorId);
+        operators
+            .find(|operator| task.operator_name(*operator) == name)
             .unwrap_or_else(|| panic!("no operator {name}"))
     }
 
