@@ -41,6 +41,8 @@ pub struct SolveOptions<'a> {
     pub heuristic: Option<Choice>,
     /// Which spaces are searched.
     pub space: Space,
+    /// Instantiations waiting at a time beyond which a problem is grounded in parts.
+    pub whole_below: usize,
 }
 
 /// Which spaces are searched.
@@ -83,6 +85,7 @@ impl Default for SolveOptions<'_> {
             progress: None,
             heuristic: None,
             space: Space::Portfolio,
+            whole_below: 1_000_000,
         }
     }
 }
@@ -135,12 +138,9 @@ pub enum SolveError {
     Attachment(#[from] AttachmentError),
 }
 
-/// Instantiations waiting at a time beyond which a problem is grounded in parts.
-const WHOLE: usize = 1_000_000;
-
-/// How many alike facts a partial grounding goes on from, wider where that finds no plan; the last
-/// attempt grounds everything.
-const WIDTHS: [Option<u32>; 4] = [Some(2), Some(8), Some(32), None];
+/// How many alike facts a partial grounding goes on from: wider where that finds no plan, and once
+/// more when there is one. Afterwards everything is grounded.
+const WIDTHS: [u32; 4] = [2, 6, 12, 32];
 
 /// Solves a problem and calls `improved` with every improving plan as soon as it is found.
 ///
@@ -161,33 +161,96 @@ pub fn solve(
         ..GroundingLimits::default()
     };
     let whole = GroundingLimits {
-        candidates: WHOLE,
+        candidates: options.whole_below,
         ..limits
     };
     let mut grounded = ground(domain, problem, attachments, &whole);
-    let mut wider = WIDTHS.iter();
+    let mut found: Option<SolveReport> = None;
+    let mut widths = WIDTHS.iter();
     loop {
-        if matches!(grounded, Err(GroundingError::TooManyCandidates))
-            && let Some(width) = wider.next()
-        {
-            grounded = match width {
+        if matches!(grounded, Err(GroundingError::TooManyCandidates)) {
+            grounded = match widths.next() {
                 Some(width) => ground_partially(domain, problem, attachments, &limits, *width),
                 None => ground(domain, problem, attachments, &limits),
             };
         }
-        let task = match grounded {
-            Ok(task) => task,
-            Err(GroundingError::TimedOut) => return Ok(empty(Outcome::TimedOut, begun)),
-            Err(GroundingError::Cancelled) => return Ok(empty(Outcome::Cancelled, begun)),
-            Err(GroundingError::Attachment(error)) => return Err(SolveError::Attachment(error)),
-            Err(error) => return Err(SolveError::Grounding(error)),
+        let task = match (grounded, found.take()) {
+            (Ok(task), Some(narrow)) => {
+                return widened(&task, attachments, options, begun, narrow, improved);
+            }
+            (Ok(task), None) => task,
+            (Err(GroundingError::TimedOut), narrow) => {
+                return Ok(ended(Outcome::TimedOut, begun, narrow));
+            }
+            (Err(GroundingError::Cancelled), narrow) => {
+                return Ok(ended(Outcome::Cancelled, begun, narrow));
+            }
+            (Err(GroundingError::Attachment(error)), _) => {
+                return Err(SolveError::Attachment(error));
+            }
+            (Err(error), _) => return Err(SolveError::Grounding(error)),
         };
-        let report = solve_task(&task, attachments, options, begun, improved)?;
-        let hopeless = task.partial && report.plans.is_empty() && report.limit.is_none();
-        if !hopeless {
+        // In a narrow part territories are nearly fixed: a first plan comes soon, good ones do not.
+        let narrow = SolveOptions {
+            first_plan_only: options.first_plan_only || task.partial,
+            ..*options
+        };
+        let report = solve_task(&task, attachments, &narrow, begun, improved)?;
+        if !task.partial || report.limit.is_some() || options.first_plan_only && has_plan(&report) {
             return Ok(report);
         }
+        found = has_plan(&report).then_some(report);
         grounded = Err(GroundingError::TooManyCandidates);
+    }
+}
+
+fn has_plan(report: &SolveReport) -> bool {
+    !report.plans.is_empty()
+}
+
+/// Searches a wider part for plans that are better than what a narrower one gave.
+fn widened(
+    task: &Task,
+    attachments: &dyn Attachments,
+    options: &SolveOptions<'_>,
+    begun: Instant,
+    narrow: SolveReport,
+    improved: &mut dyn FnMut(&Plan),
+) -> Result<SolveReport, SolveError> {
+    let Some(known) = narrow.plans.last().cloned() else {
+        return solve_task(task, attachments, options, begun, improved);
+    };
+    let spent = narrow.expansions + narrow.schedules;
+    let options = SolveOptions {
+        warm_start: Some(&known.plan),
+        node_limit: options
+            .node_limit
+            .map(|limit| limit.saturating_sub(spent).max(1)),
+        ..*options
+    };
+    let mut report = solve_task(task, attachments, &options, begun, &mut |plan| {
+        if *plan != known.plan {
+            improved(plan);
+        }
+    })?;
+    report.plans.retain(|found| found.cost < known.cost - 1e-9);
+    report.plans.splice(0..0, narrow.plans);
+    report.expansions += narrow.expansions;
+    report.evaluations += narrow.evaluations;
+    report.schedules += narrow.schedules;
+    report.grounding_s += narrow.grounding_s;
+    report.outcome = Outcome::Solved;
+    Ok(report)
+}
+
+/// The report of a run that ended while it grounded, with what it had found before.
+fn ended(outcome: Outcome, begun: Instant, found: Option<SolveReport>) -> SolveReport {
+    match found {
+        Some(report) => SolveReport {
+            limit: outcome.limit(),
+            ..report
+        },
+        None => empty(outcome, begun),
     }
 }
 

@@ -8,7 +8,7 @@ use planner_core::attachment::{Arguments, Attachments, Purity, StateView};
 use planner_core::grounding::{GroundingError, GroundingLimits, ground, ground_partially};
 use planner_core::outcome::Outcome;
 use planner_core::pddl::model::{Domain, ModuleId, Problem};
-use planner_core::solve::solve_task;
+use planner_core::solve::{SolveOptions, solve, solve_task};
 use std::time::Instant;
 use support::{check, options, read};
 
@@ -130,4 +130,41 @@ fn too_many_candidates_are_noticed() {
     };
     let error = ground(&domain, &problem, &line, &limits).map(|task| task.operators.len());
     assert_eq!(error, Err(GroundingError::TooManyCandidates));
+}
+
+#[test]
+fn a_plan_of_a_narrow_part_is_improved_in_a_wider_one() {
+    let (domain, problem, line) = team(6, 24);
+    let options = SolveOptions {
+        whole_below: 200,
+        node_limit: Some(4_000),
+        ..options()
+    };
+    let mut reported = Vec::new();
+    let report = solve(&domain, &problem, &line, &options, &mut |plan| {
+        reported.push(plan.makespan());
+    })
+    .expect("solves");
+    let kept: Vec<f64> = report
+        .plans
+        .iter()
+        .map(|found| found.plan.makespan())
+        .collect();
+    assert_eq!(reported.len(), kept.len());
+    assert!(kept.len() > 1, "{kept:?}");
+    assert!(
+        report
+            .plans
+            .windows(2)
+            .all(|pair| pair[1].cost < pair[0].cost)
+    );
+    for found in &report.plans {
+        check(&domain, &problem, &line, &found.plan);
+    }
+    let first = SolveOptions {
+        first_plan_only: true,
+        ..options
+    };
+    let report = solve(&domain, &problem, &line, &first, &mut |_| ()).expect("solves");
+    assert_eq!(report.plans.len(), 1);
 }

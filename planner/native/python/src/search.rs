@@ -265,6 +265,7 @@ fn run(
         progress: Some(progress),
         heuristic: settings.heuristic,
         space: settings.space,
+        ..defaults
     };
     let validator = Validator::new(domain, problem, attachments);
     let mut rejected = None;
