@@ -11,10 +11,11 @@ from scenarios.batch.findings import findings
 from scenarios.batch.ray_runs import on_ray
 from scenarios.batch.results import markdown, write
 from scenarios.batch.run_process import run_in_process
-from scenarios.batch.suite import read_suite
+from scenarios.batch.suite import Suite, read_suite
 from scenarios.exit_codes import CommandError
 from scenarios.report.markup import clock
 from scenarios.scenario_file import ScenarioFileError
+from service.coordination.strategies import all_strategies
 
 LINE_EVERY_S = 30.0
 """wall time between two plain lines"""
@@ -32,6 +33,7 @@ def run_suite(
         suite = read_suite(path)
     except ScenarioFileError as error:
         raise CommandError(str(error)) from None
+    _refuse_unknown_strategies(path, suite)
     if quick:
         suite = suite.quickly()
     perform = on_ray(jobs) if executor == "ray" else run_in_process
@@ -55,6 +57,16 @@ def run_suite(
     report = write(found, folder)
     print(markdown(found))
     print(f"report: {report.resolve()}")
+
+
+def _refuse_unknown_strategies(path: Path, suite: Suite) -> None:
+    """Before hours of runs, each of which would say so."""
+    known = all_strategies()
+    for name in suite.all_strategies:
+        coordination = suite.variants[name].strategy if name in suite.variants else name
+        if coordination not in known:
+            there = ", ".join(sorted(known))
+            raise CommandError(f"{path}: no strategy {coordination!r}: there are {there}")
 
 
 def _left(done: int, wanted: int, first: int, begin_s: float) -> str:

@@ -99,6 +99,14 @@ class Suite(_Section):
             raise ValueError(f"subject {self.subject!r} is none of the strategies")
         return self
 
+    @model_validator(mode="after")
+    def _maps_have_names_of_their_own(self) -> Suite:
+        names = [entry.name for entry in self.maps]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"two maps are called {twice[0]!r}")
+        return self
+
     @property
     def compared(self) -> str:
         """The strategy that is compared with each of the others."""
@@ -208,7 +216,8 @@ def read_suite(path: Path) -> Suite:
     except ValidationError as invalid:
         first = invalid.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
-        raise ScenarioFileError(path, where, first["msg"], "correct it") from None
+        why = first["msg"].removeprefix("Value error, ")
+        raise ScenarioFileError(path, where, why, "correct it") from None
     maps = tuple(
         entry.model_copy(update={"scenario": (path.parent / entry.scenario).resolve()})
         for entry in suite.maps

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from scenarios.exit_codes import CommandError
 from scenarios.exploration.arms import ARMS
 from scenarios.exploration.buildings import Building, generated
 from scenarios.exploration.one_run import RunParameters, row_of
@@ -103,14 +104,27 @@ def _keys(experiment: Experiment) -> set[Key]:
 
 
 def read_rows(file: Path) -> list[Row]:
-    """The rows of a file that `run_all` wrote; none if there is no such file."""
+    """The rows of a file that `run_all` wrote; none if there is no such file.
+
+    Raises:
+        CommandError: a line is none of a run's, for instance cut off by a kill.
+    """
     if not file.is_file():
         return []
+    rows = []
     with file.open(encoding="utf-8", newline="") as stream:
-        return [
-            {name: _value(name, text) for name, text in row.items()}
-            for row in csv.DictReader(stream)
-        ]
+        reader = csv.DictReader(stream)
+        for row in reader:
+            try:
+                read = {name: _value(name, text) for name, text in row.items()}
+                key(read)
+            except (KeyError, TypeError, ValueError):
+                raise CommandError(
+                    f"{file}:{reader.line_num}: this line is no run; remove it, and its run is "
+                    "done again"
+                ) from None
+            rows.append(read)
+    return rows
 
 
 def _value(name: str, text: str) -> Any:

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from scenarios.batch.command import run_suite
 from scenarios.batch.suite import read_suite
 from scenarios.commands.bench import suite_files
+from scenarios.exit_codes import CommandError
 from scenarios.scenario_file import ScenarioFileError
 
 
@@ -108,3 +110,26 @@ scenario = "a.toml"
     path.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(ScenarioFileError, match=message):
         read_suite(path)
+
+
+def test_two_maps_of_one_name_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("", encoding="utf-8")
+    path = tmp_path / "suite.toml"
+    entry = '[[maps]]\nname = "m"\nscenario = "a.toml"\n'
+    text = f'name = "s"\nstrategies = ["x"]\nteams = [{{ explorer = 1 }}]\n{entry}{entry}'
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ScenarioFileError, match="two maps are called 'm'"):
+        read_suite(path)
+
+
+def test_a_misspelt_strategy_is_refused_before_any_run(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("", encoding="utf-8")
+    path = tmp_path / "suite.toml"
+    path.write_text(
+        'name = "s"\nstrategies = ["hungarain"]\nteams = [{ explorer = 1 }]\n'
+        '[[maps]]\nname = "m"\nscenario = "a.toml"\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(CommandError, match="no strategy 'hungarain': there are auction"):
+        run_suite(path, tmp_path / "out", quick=False, jobs=1, resume=False)
+    assert not (tmp_path / "out").exists()

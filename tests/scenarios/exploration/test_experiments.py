@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import pytest
+
+from scenarios.exit_codes import CommandError
 from scenarios.exploration.experiments import Experiment, drawn, read_rows, run_all
 
 
@@ -30,3 +33,10 @@ def test_every_combination_is_run_once_and_a_stopped_experiment_goes_on(tmp_path
     assert counts[4:] == [(4, 4)]
     same = ("seed", "strategy", "duration_s", "driven_m", "known_share")
     assert [[row[k] for k in same] for row in again] == [[row[k] for k in same] for row in rows]
+
+
+def test_a_line_cut_off_by_a_kill_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "runs.csv"
+    file.write_text("map,robots,seed,strategy\nm,2,0,nearest\nm,2", encoding="utf-8")
+    with pytest.raises(CommandError, match=r"runs\.csv:3: this line is no run; remove it"):
+        read_rows(file)
