@@ -8,18 +8,23 @@ validator; a plan that it rejects is dropped and counted.
 |---|---|---|---|
 | kairos | kairos-planner | none stated in its metadata | temporal, numeric |
 | lpg | up-lpg (its LPG-td program) | Apache-2.0 (the adapter) | temporal, numeric |
-| aries | up-aries | MIT | temporal, integer durations |
-| tamer | up-tamer (on pytamer) | free for educational use only | temporal, flat types |
+| aries | up-aries | MIT | temporal, integers |
+| tamer | up-tamer (on pytamer) | free for educational use only | temporal |
+| tamerlite | tamerlite | GPL-3.0 | temporal; needs a development unified-planning |
+
+The last three run through unified-planning in a process of their own. For Tamer the hierarchy of
+types is compiled away, for Aries real fluents that hold integers become integer ones.
 """
 
+import contextlib
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -62,6 +67,7 @@ PEERS = {
     "lpg": Peer("up-lpg", "up_lpg"),
     "aries": Peer("up-aries", "up_aries", licence="MIT"),
     "tamer": Peer("up-tamer", "up_tamer", licence="free for educational use only"),
+    "tamerlite": Peer("tamerlite[rust]", "tamerlite", licence="GPL-3.0"),
 }
 
 
@@ -110,15 +116,41 @@ def find_peer(name: str, peer: Peer) -> str:
     return where
 
 
-def _run(command: list[str], home: Path, timeout_s: float | None) -> None:
-    """Runs a program in its folder; it gets a few seconds more than its own limit."""
+def _run(
+    command: list[str],
+    home: Path,
+    timeout_s: float | None,
+    environment: dict[str, str] | None = None,
+) -> str:
+    """Runs a program in its folder; it gets a few seconds more than its own limit.
+
+    Returns the last line that a program which fails by itself writes to stderr.
+    """
     limit_s = None if timeout_s is None else timeout_s + 5
-    try:
-        subprocess.run(command, cwd=home, capture_output=True, timeout=limit_s, check=False)
-    except subprocess.TimeoutExpired:
-        pass
-    except OSError as error:
-        raise PeerError(f"cannot run {command[0]}: {error.strerror}") from error
+    with (home / "stderr").open("wb") as stderr:
+        try:
+            process = subprocess.Popen(
+                command,
+                cwd=home,
+                env={**os.environ, **(environment or {})},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=stderr,
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise PeerError(f"cannot run {command[0]}: {error.strerror}") from error
+        try:
+            code = process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            return ""
+        finally:
+            # Engines start programs of their own, which would go on.
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    lines = (home / "stderr").read_text(errors="replace").strip().splitlines()
+    return lines[-1] if code > 0 and lines else ""
 
 
 def _run_kairos(program: str, home: Path, timeout_s: float | None) -> list[str]:
@@ -149,30 +181,14 @@ def _texts(home: Path, pattern: str) -> list[str]:
 
 
 def _run_through_unified_planning(name: str, home: Path, timeout_s: float | None) -> list[str]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        from unified_planning.io import PDDLReader
-        from unified_planning.plans import TimeTriggeredPlan
-        from unified_planning.shortcuts import OneshotPlanner, get_environment
-
-        get_environment().credits_stream = None
-        try:
-            problem = PDDLReader().parse_problem(
-                str(home / "domain.pddl"), str(home / "problem.pddl")
-            )
-            with OneshotPlanner(name=name) as planner:
-                planner.skip_checks = True
-                plan = planner.solve(problem, timeout=timeout_s).plan
-        except Exception as error:  # peers raise exceptions of their own
-            raise PeerError(f"the engine {name} refuses the problem: {error}") from None
-    if not isinstance(plan, TimeTriggeredPlan):
-        return []
-    lines = []
-    for start, action, duration in plan.timed_actions:
-        words = " ".join((action.action.name, *map(str, action.actual_parameters)))
-        bracket = "" if duration is None else f" [{float(duration)}]"
-        lines.append(f"{float(start)}: ({words}){bracket}\n")
-    return ["".join(lines)]
+    command = [sys.executable, "-m", "planner.peer_process", name, f"{timeout_s or 0:g}"]
+    # The process runs in another folder, where this package must be found too.
+    paths = (str(Path(__file__).parents[1]), *sys.path)
+    complaint = _run(command, home, timeout_s, {"PYTHONPATH": os.pathsep.join(filter(None, paths))})
+    files = sorted(home.glob("plan.*[0-9]"), key=lambda path: int(path.suffix[1:]))
+    if complaint and not files:
+        raise PeerError(f"the engine {name} refuses the problem: {complaint}")
+    return [path.read_text() for path in files]
 
 
 def _valid(

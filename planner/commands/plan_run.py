@@ -25,6 +25,7 @@ class Engine(StrEnum):
 
     MARSUPIAL = "marsupial"
     TAMER = "tamer"
+    TAMERLITE = "tamerlite"
     ARIES = "aries"
     LPG = "lpg"
     KAIROS = "kairos"

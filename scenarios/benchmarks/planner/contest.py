@@ -1,4 +1,4 @@
-"""One engine on one problem, in a process of its own with a CPU limit."""
+"""One engine on one problem, in a process of its own with limits of CPU time and memory."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from scenarios.benchmarks.planner.instances import Instance
 
 WALL_FACTOR = 6.0
 """Wall seconds allowed for a CPU second: the machine may be busy."""
+
+MEMORY_BYTES = 4 << 30
+"""Address space that each process of an engine may take, as in the planning competitions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +84,7 @@ def _own(instance: Instance, limit_s: float) -> Run:
     from planner.solving import Limits, improving_plans
 
     begun_s = _cpu_s(resource.RUSAGE_SELF)
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     limits = Limits(timeout_s=WALL_FACTOR * limit_s, cpu_timeout_s=begun_s + limit_s)
     problem = read_problem(instance.domain, instance.problem)
     found = improving_plans(problem, None, limits)
@@ -112,9 +116,10 @@ def _peer(engine: str, instance: Instance, limit_s: float) -> Run:
     from planner.reading import read_problem
 
     problem = read_problem(instance.domain, instance.problem)
-    # Its processes inherit the limit; a peer that counts wall time gets more of that.
+    # Its processes inherit the limits; a peer that counts wall time gets more of that.
     whole_s = max(1, round(limit_s + _cpu_s(resource.RUSAGE_SELF)))
     resource.setrlimit(resource.RLIMIT_CPU, (whole_s, whole_s + 5))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     result = solve_with_peer(engine, problem, {}, WALL_FACTOR * limit_s)
     values = (plan.makespan if plan.metric is None else plan.metric for plan in result.plans)
     return Run(
