@@ -64,6 +64,10 @@ pub struct Exploration {
     queue: BinaryHeap<Reverse<u64>>,
     distances: DistanceCache,
     visited: Vec<u32>,
+    /// The first rule that waits for a proposition, and in which generation.
+    waiting: Vec<(u32, u32)>,
+    /// The rule that waits for the same proposition behind a rule.
+    behind: Vec<u32>,
     /// Whether rules cost what they last.
     cost_is_time: bool,
     /// Labels settled since creation.
@@ -86,6 +90,8 @@ impl Exploration {
             queue: BinaryHeap::new(),
             distances: DistanceCache::default(),
             visited: vec![0; propositions.count()],
+            waiting: vec![(0, NONE); propositions.count()],
+            behind: vec![NONE; propositions.rules.len()],
             cost_is_time,
             settled: 0,
         }
@@ -167,14 +173,35 @@ impl Exploration {
                 return label.time + labelling.effort * label.cost;
             }
             let value = label.time + labelling.effort * label.cost;
-            for rule in propositions.needing.row(proposition) {
-                let ahead = distance.of_rule(propositions, *rule);
-                if ahead < f32::INFINITY && value + weight * ahead < bound {
+            let leads = |rule: u32, bound: f32| {
+                let ahead = distance.of_rule(propositions, rule);
+                ahead < f32::INFINITY && value + weight * ahead < bound
+            };
+            for rule in propositions.watching.row(proposition) {
+                if leads(*rule, bound) {
                     self.fire(question, *rule, distance, &mut bound);
                 }
             }
+            let mut rule = self.first_waiting(proposition);
+            while rule != NONE {
+                let next = self.behind[rule as usize];
+                if leads(rule, bound) {
+                    self.fire(question, rule, distance, &mut bound);
+                }
+                rule = next;
+            }
         }
         f32::INFINITY
+    }
+
+    /// The first of the rules that wait for a proposition to be settled.
+    fn first_waiting(&self, proposition: u32) -> u32 {
+        let (generation, rule) = self.waiting[proposition as usize];
+        if generation == self.generation {
+            rule
+        } else {
+            NONE
+        }
     }
 
     fn seed(&mut self, question: &Question<'_>, proposition: u32, distance: &Distances) {
@@ -196,6 +223,8 @@ impl Exploration {
         self.queue.push(key(priority, proposition));
     }
 
+    /// Labels what a rule adds once all it needs is settled; until then the rule waits for one of
+    /// its needs.
     fn fire(
         &mut self,
         question: &Question<'_>,
@@ -222,6 +251,8 @@ impl Exploration {
         for need in propositions.needs(rule) {
             let label = &self.labels[need.proposition as usize];
             if label.generation != generation || !label.settled {
+                self.behind[rule_index as usize] = self.first_waiting(need.proposition);
+                self.waiting[need.proposition as usize] = (generation, rule_index);
                 return;
             }
             let lag = if need.at_end { rule.duration } else { 0.0 };

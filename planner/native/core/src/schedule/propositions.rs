@@ -49,6 +49,10 @@ pub struct Propositions {
     adds: Vec<Term>,
     /// Rules that need a proposition.
     pub needing: Rows,
+    /// Rules that need a proposition more than any other: each under the one of its needs that the
+    /// fewest rules have. What a robot does needs the robot idle and somewhere; the place is what
+    /// tells its rules apart.
+    pub watching: Rows,
     /// Rules that add a proposition.
     pub adding: Rows,
     negation_of: Vec<u32>,
@@ -223,6 +227,18 @@ impl Propositions {
             Rows::new(count, pairs.iter().copied())
         };
         let needing = rows(&needs, |rule| rule.needs);
+        let watched: Vec<(u32, u32)> = rules
+            .iter()
+            .enumerate()
+            .filter_map(|(index, rule)| {
+                let own = &needs[rule.needs.0 as usize..rule.needs.1 as usize];
+                let rarest = own
+                    .iter()
+                    .min_by_key(|need| needing.row(need.proposition).len())?;
+                Some((rarest.proposition, index as u32))
+            })
+            .collect();
+        let watching = Rows::new(count, watched.iter().copied());
         let free = (0..rules.len() as u32).filter(|index| {
             let (from, to) = rules[*index as usize].needs;
             from == to
@@ -237,6 +253,7 @@ impl Propositions {
             needs,
             adds,
             needing,
+            watching,
             adding,
             negation_of: numbering.negation_of,
             free,
