@@ -77,6 +77,7 @@ def compose(
         seed=seed,
         time_limit_s=scenario.time_limit_s,
         report_period_s=scenario.report_period_s,
+        scan_period_s=scenario.scan_period_s,
         noise=Noise(**scenario.noise.model_dump()),
         communication=(
             None

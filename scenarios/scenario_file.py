@@ -149,6 +149,8 @@ class ScenarioFile(_Section):
     strategy: str = "planner"
     time_limit_s: Annotated[float, Field(gt=0)] = 7200.0
     report_period_s: Annotated[float, Field(gt=0)] = 5.0
+    scan_period_s: Annotated[float, Field(gt=0)] = 0.2
+    """between two sweeps of a robot's laser"""
     map: MapSection
     robot_types: dict[str, RobotTypeSection]
     team: dict[str, Annotated[int, Field(ge=0, le=1000)]] = {}

@@ -14,7 +14,7 @@ from scenarios.batch.run_process import run_in_process
 from scenarios.batch.suite import Suite, read_suite
 from scenarios.exit_codes import CommandError
 from scenarios.report.markup import clock
-from scenarios.scenario_file import ScenarioFileError
+from scenarios.scenario_file import ScenarioFileError, read_scenario
 from service.coordination.strategies import all_strategies
 
 LINE_EVERY_S = 30.0
@@ -34,6 +34,7 @@ def run_suite(
     except ScenarioFileError as error:
         raise CommandError(str(error)) from None
     _refuse_unknown_strategies(path, suite)
+    _refuse_unknown_robot_types(path, suite)
     if quick:
         suite = suite.quickly()
     perform = on_ray(jobs) if executor == "ray" else run_in_process
@@ -67,6 +68,21 @@ def _refuse_unknown_strategies(path: Path, suite: Suite) -> None:
         if coordination not in known:
             there = ", ".join(sorted(known))
             raise CommandError(f"{path}: no strategy {coordination!r}: there are {there}")
+
+
+def _refuse_unknown_robot_types(path: Path, suite: Suite) -> None:
+    for entry in suite.maps:
+        try:
+            known = read_scenario(entry.scenario).robot_types
+        except ScenarioFileError as error:
+            raise CommandError(str(error)) from None
+        named = [entry.teams or suite.teams, *(arm.teams or () for arm in entry.arms)]
+        for kind in sorted({kind for teams in named for team in teams for kind in team}):
+            if kind not in known:
+                raise CommandError(
+                    f"{path}: maps.{entry.name}: a team has the robot type {kind!r}, which "
+                    f"{entry.scenario.name} does not define: it has {', '.join(sorted(known))}"
+                )
 
 
 def _left(done: int, wanted: int, first: int, begin_s: float) -> str:

@@ -45,23 +45,23 @@ def frontiers(
     if not border.any():
         return ()
     components, _ = ndimage.label(traversable, EIGHT_NEIGHBOURS)
-    clusters = [cells for cells in _clusters(border) if len(cells) >= least_cells]
-    clusters.sort(key=lambda cells: (-len(cells), *cells[0].tolist()))
+    parts = [cells for cells in clusters(border) if len(cells) >= least_cells]
+    parts.sort(key=lambda cells: (-len(cells), *cells[0].tolist()))
     seen_from: list[list[NDArray[np.int64]]] = []
     places: list[tuple[int, int]] = []
-    for cells in clusters:
+    for cells in parts:
         place = _nearest_centroid(cells)
         for index, other in enumerate(places):
-            joined = components[place] == components[other]
-            if joined and _sees(place, other, traversable, visible_cells):
+            connected = components[place] == components[other]
+            if connected and _sees(place, other, traversable, visible_cells):
                 seen_from[index].append(cells)
                 break
         else:
             places.append(place)
             seen_from.append([cells])
     return tuple(
-        Frontier(place, sum(len(cells) for cells in parts), int(components[place]))
-        for place, parts in zip(places, seen_from, strict=True)
+        Frontier(place, sum(len(cells) for cells in joined), int(components[place]))
+        for place, joined in zip(places, seen_from, strict=True)
     )
 
 
@@ -75,10 +75,12 @@ def beside(unknown: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return near
 
 
-def _clusters(border: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+def clusters(border: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
     """(n, 2) rows and columns of each 8-connected cluster, in row-major order."""
-    labels, _ = ndimage.label(border, EIGHT_NEIGHBOURS)
     cells = np.argwhere(border)
+    if not len(cells):
+        return []
+    labels, _ = ndimage.label(border, EIGHT_NEIGHBOURS)
     label_of = labels[border]
     order = np.argsort(label_of, kind="stable")
     ends = np.flatnonzero(np.diff(label_of[order])) + 1

@@ -14,13 +14,13 @@ from scipy import ndimage
 
 from domains.mission_state import MeetingPoint
 from semantic_attachments.world import GridMap, RobotModel
+from service.coordination.frontiers import EIGHT_NEIGHBOURS, clusters
 
 FREE_BELOW = 65
 SPACING_M = 10.0
 """A border longer than this has more than one meeting point."""
 PREFIX = "meeting "
 """How ids of meeting points begin; they hold a space, which no id of a fleet does."""
-EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
 
 
 def meeting_points(
@@ -42,12 +42,8 @@ def meeting_points(
     for_carriers = _enterable(grid, carriers)
     for_riders_only = _enterable(grid, riders) & ~for_carriers
     border = for_carriers & ndimage.binary_dilation(for_riders_only, EIGHT_NEIGHBOURS)
-    labels, count = ndimage.label(border, EIGHT_NEIGHBOURS)
-    pieces = [
-        piece
-        for label in range(1, count + 1)
-        for piece in _cut(np.argwhere(labels == label), grid.resolution_m)
-    ]
+    stretches = clusters(border)
+    pieces = [piece for cells in stretches for piece in _cut(cells, grid.resolution_m)]
     cells = [(point, grid.cell_at(point.position_m)) for point in kept]
     there = {cell: point for point, cell in cells if cell is not None and border.flat[cell]}
     found = list(there.values())

@@ -133,3 +133,16 @@ def test_a_misspelt_strategy_is_refused_before_any_run(tmp_path: Path) -> None:
     with pytest.raises(CommandError, match="no strategy 'hungarain': there are auction"):
         run_suite(path, tmp_path / "out", quick=False, jobs=1, resume=False)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_team_of_robots_that_the_scenario_lacks_is_refused_before_any_run(tmp_path: Path) -> None:
+    path = tmp_path / "suite.toml"
+    scenario = Path("scenarios/disaster/hospital.toml").resolve()
+    path.write_text(
+        'name = "s"\nstrategies = ["planner"]\nteams = [{ explorer = 1, sweeper = 1 }]\n'
+        f'[[maps]]\nname = "m"\nscenario = "{scenario}"\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(CommandError, match="type 'sweeper', which hospital.toml does not define"):
+        run_suite(path, tmp_path / "out", quick=False, jobs=1, resume=False)
+    assert not (tmp_path / "out").exists()
