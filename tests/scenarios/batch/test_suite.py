@@ -143,6 +143,6 @@ def test_a_team_of_robots_that_the_scenario_lacks_is_refused_before_any_run(tmp_
         f'[[maps]]\nname = "m"\nscenario = "{scenario}"\n',
         encoding="utf-8",
     )
-    with pytest.raises(CommandError, match="type 'sweeper', which hospital.toml does not define"):
+    with pytest.raises(CommandError, match="type 'sweeper', which hospital\\.toml does not"):
         run_suite(path, tmp_path / "out", quick=False, jobs=1, resume=False)
     assert not (tmp_path / "out").exists()
