@@ -1,5 +1,5 @@
-"""The planner against its peers: disaster and marsupial instances, IPC suites; replanning, rates,
-large teams.
+"""The planner against its peers: disaster and marsupial instances, IPC suites; known optima over
+seeds, held-out sizes, replanning, rates, large teams, limits, two threads.
 
 Times are CPU seconds of one engine's processes, from reading the files on. Every plan that counts
 has passed the validator. IPC and instance files are read from `../shared/data`; what is absent is
@@ -9,9 +9,18 @@ left out and said.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
-from scenarios.benchmarks.planner import large_team, rates, replanning
+from scenarios.benchmarks.planner import (
+    held_out,
+    large_team,
+    limits,
+    optima,
+    rates,
+    replanning,
+    threads,
+)
 from scenarios.benchmarks.planner.contest import Run, run_engine
 from scenarios.benchmarks.planner.engines import installed_engines
 from scenarios.benchmarks.planner.instances import Instance, families, ipc_instances
@@ -51,13 +60,24 @@ def run(
                 )
             runs.append(done[key])
     parts = [markdown(runs, engines, limit_s)]
-    if not domains or any(word in "replanning" for word in domains):
-        parts.append(replanning.run(quick=quick))
-    if not domains or any(word in "rates" for word in domains):
-        parts.append(rates.run(DATA / "instances", quick=quick))
-    if not domains or any(word in "large-team" for word in domains):
-        parts.append(large_team.run(quick=quick))
+    for name, part in parts_of(quick=quick).items():
+        if not domains or any(word in name for word in domains):
+            parts.append(part())
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def parts_of(*, quick: bool) -> dict[str, Callable[[], str]]:
+    """What is measured beside the instances, by the word that `--domains` chooses it with."""
+    instances = DATA / "instances"
+    return {
+        "optima": lambda: optima.run(instances, quick=quick),
+        "held-out": lambda: held_out.run(quick=quick),
+        "replanning": lambda: replanning.run(quick=quick),
+        "rates": lambda: rates.run(instances, quick=quick),
+        "large-team": lambda: large_team.run(quick=quick),
+        "limits": lambda: limits.run(DATA, quick=quick),
+        "threads": lambda: threads.run(DATA, quick=quick),
+    }
 
 
 def chosen(*, quick: bool, domains: tuple[str, ...]) -> list[Instance]:

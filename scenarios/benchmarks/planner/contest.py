@@ -49,11 +49,19 @@ class Run:
         return cls(**{**fields, "plans": plans})
 
 
-def run_engine(engine: str, instance: Instance, limit_s: float) -> Run:
-    """Runs in a new process, so that limits and peak memory are its own."""
+def run_own(instance: Instance, limit_s: float, seed: int = 0) -> Run:
+    """Our planner with a seed of its own."""
+    return run_engine(OWN, instance, limit_s, seed)
+
+
+def run_engine(engine: str, instance: Instance, limit_s: float, seed: int = 0) -> Run:
+    """Runs in a new process, so that limits and peak memory are its own.
+
+    The seed is ours; peers have their own fixed one.
+    """
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(sender, engine, instance, limit_s))
+    process = context.Process(target=_work, args=(sender, engine, instance, limit_s, seed))
     process.start()
     sender.close()
     try:
@@ -69,23 +77,24 @@ def run_engine(engine: str, instance: Instance, limit_s: float) -> Run:
     return Run(instance.name, instance.family, engine, outcome)
 
 
-def _work(sender: Any, engine: str, instance: Instance, limit_s: float) -> None:
+def _work(sender: Any, engine: str, instance: Instance, limit_s: float, seed: int) -> None:
     from planner.diagnostics import PlannerError
 
     try:
-        run = _own(instance, limit_s) if engine == OWN else _peer(engine, instance, limit_s)
+        own = engine == OWN
+        run = _own(instance, limit_s, seed) if own else _peer(engine, instance, limit_s)
     except PlannerError as error:
         run = Run(instance.name, instance.family, engine, f"refused: {str(error).splitlines()[0]}")
     sender.send(run)
 
 
-def _own(instance: Instance, limit_s: float) -> Run:
+def _own(instance: Instance, limit_s: float, seed: int) -> Run:
     from planner.reading import read_problem
     from planner.solving import Limits, improving_plans
 
     begun_s = _cpu_s(resource.RUSAGE_SELF)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-    limits = Limits(timeout_s=WALL_FACTOR * limit_s, cpu_timeout_s=begun_s + limit_s)
+    limits = Limits(timeout_s=WALL_FACTOR * limit_s, cpu_timeout_s=begun_s + limit_s, seed=seed)
     problem = read_problem(instance.domain, instance.problem)
     found = improving_plans(problem, None, limits)
     plans = []

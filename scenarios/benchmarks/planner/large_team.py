@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from domains import catalogue
-from planner import read_domain, read_problem, solve
+from planner import Problem, read_domain, read_problem, solve
+from planner.attachments import Attachments
 from scenarios.benchmarks._markdown import table
 from scenarios.benchmarks.planner.hungarian_schedule import Mission, hungarian_makespan_s
 
@@ -67,6 +68,15 @@ class Field:
             f"(define (problem field) (:domain disaster) (:objects {' '.join(objects)}) "
             f"(:init {' '.join(init)}) (:goal (and {' '.join(goal)})))"
         )
+
+    def read(self) -> tuple[Problem, Attachments]:
+        """The problem and what computes its modules."""
+        domain = read_domain(catalogue.load("disaster").domain_path)
+        attachments: Attachments = {
+            "pathCost": Ways(self),
+            "clearCost": lambda _robot, _blockade: CLEAR_S,
+        }
+        return read_problem(domain, self.pddl()), attachments
 
     def mission(self) -> Mission:
         """The same for the Hungarian method."""
@@ -126,11 +136,11 @@ def run(*, quick: bool) -> str:
 def _measured(field: Field, limit_s: float) -> list[str]:
     plans: list[tuple[float, float]] = []
     begun_s = time.process_time()
-    domain = read_domain(catalogue.load("disaster").domain_path)
+    problem, attachments = field.read()
     solve(
-        domain,
-        read_problem(domain, field.pddl()),
-        attachments={"pathCost": Ways(field), "clearCost": lambda _robot, _blockade: CLEAR_S},
+        problem.domain,
+        problem,
+        attachments=attachments,
         timeout_s=limit_s,
         on_plan=lambda plan: plans.append((time.process_time() - begun_s, plan.makespan)),
     )
