@@ -74,10 +74,12 @@ class _Team:
         for rover in self.rovers:
             if rover.activity is Activity.DOCKED and rover.partner is not None:
                 self.aboard.setdefault(rover.partner, []).append(rover.id)
+        # Also through gaps that only a rover is small enough for.
+        smallest_m = min(model.radius_m for model in situation.models.values())
         free = replace(
             situation,
             models={
-                name: replace(model, enters=situation.grid.terrain_classes)
+                name: replace(model, enters=situation.grid.terrain_classes, radius_m=smallest_m)
                 for name, model in situation.models.items()
             },
         )

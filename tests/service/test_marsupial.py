@@ -30,7 +30,7 @@ CELLS = walls([row.replace("r", ".") for row in DRAWING])
 TERRAIN = [[int(cell == "r") for cell in row] for row in reversed(DRAWING)]
 
 
-def mission(team: ScriptedFleet, strategy: str) -> dict[str, Any]:
+def mission(team: ScriptedFleet, strategy: str, carrier_radius_m: float = 0.3) -> dict[str, Any]:
     body = team.mission(CELLS, [(2.5, 7.5), (18.5, 7.5), (12.5, 6.5), (2.5, 1.5)])
     body |= {"domain": "marsupial", "strategy": strategy}
     body["map"] |= {
@@ -39,7 +39,12 @@ def mission(team: ScriptedFleet, strategy: str) -> dict[str, Any]:
     }
     kind = {"radius_m": 0.3, "speed_m_s": 1.0, "sensor_range_m": 4.0}
     body["robot_types"] = {
-        "carrier": {**kind, "enters": ["default"], "capacity": 1},
+        "carrier": {
+            **kind,
+            "radius_m": carrier_radius_m,
+            "enters": ["default"],
+            "capacity": 1,
+        },
         "rover": {**kind, "enters": ["default", "rough"]},
     }
     for entry, robot in zip(body["robots"], team.robots, strict=True):
@@ -47,8 +52,9 @@ def mission(team: ScriptedFleet, strategy: str) -> dict[str, Any]:
     return body
 
 
+@pytest.mark.parametrize("carrier_radius_m", [0.3, 1.3], ids=["small", "wider than the doors"])
 @pytest.mark.parametrize("strategy", ["hungarian", "planner"])
-def test_a_rover_is_carried_put_down_and_fetched(strategy: str) -> None:
+def test_a_rover_is_carried_put_down_and_fetched(strategy: str, carrier_radius_m: float) -> None:
     team = ScriptedFleet(
         [
             Robot("carrier_1", "carrier", (18.5, 2.5)),
@@ -56,7 +62,7 @@ def test_a_rover_is_carried_put_down_and_fetched(strategy: str) -> None:
         ]
     )
     with serving(create_app(Settings(database_url="sqlite://"))) as client:
-        created = client.post("/v1/missions", json=mission(team, strategy))
+        created = client.post("/v1/missions", json=mission(team, strategy, carrier_radius_m))
         assert created.status_code == 201, created.text
         url = created.headers["location"]
         assert drive(client, url, team) == "completed"
