@@ -36,7 +36,7 @@ LAG_TOLERATED = 0.1
 """Part of the time left by which a team may be late that goes on without a new search."""
 FULL_SEARCH = 120
 """Robots times goals up to which a team that explores searches as long as it may."""
-LEAST_NODES = 250
+LEAST_NODES = 100
 """Search nodes that a revised plan gets in any case."""
 PRIORITY_SLACK = 1.05
 """A plan for everything may visit urgent targets this much later than a plan for them alone."""
@@ -252,13 +252,15 @@ class Planning:
         """Search nodes; fewer for a large problem where every few seconds bring another one.
 
         A plan that is revised again and again needs no long search each time, and a list takes
-        the longer the more robots and goals it is about.
+        the longer the more robots and goals it is about: each goal is looked for from each robot,
+        so their product to the power of 1.4 in measurements.
         """
         limit = self.situation.planning.node_limit
         if limit is None or not self.situation.explores_with_carriers:
             return limit
         size = max(len(self.state.robots) * goals, 1)
-        return min(limit, max(LEAST_NODES, limit * FULL_SEARCH // size))
+        fewer = round(limit * (FULL_SEARCH / size) ** 1.4)
+        return min(limit, max(LEAST_NODES, fewer))
 
     # The plan in force
 
