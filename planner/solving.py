@@ -129,7 +129,7 @@ class Limits:
     """What bounds and steers a search."""
 
     timeout_s: float | None = 10.0
-    """Wall-clock time [s], grounding included; None is until done."""
+    """Wall-clock time [s], reading and grounding included; None is until done."""
     seed: int = 0
     """Of all random choices."""
     threads: int = 1
@@ -165,6 +165,13 @@ class Limits:
             object.__setattr__(self, "heuristic", _named(Heuristic, self.heuristic))
         object.__setattr__(self, "space", _named(Space, self.space))
 
+    def since(self, begun_s: float) -> "Limits":
+        """The same with what is left of the wall-clock time since `time.monotonic()` was so."""
+        if self.timeout_s is None:
+            return self
+        spent_s = time.monotonic() - begun_s
+        return replace(self, timeout_s=max(0.0, self.timeout_s - spent_s))
+
 
 def solve(
     domain: DomainLike,
@@ -197,6 +204,7 @@ def solve(
     missing or fails, `UnsupportedError` for a problem that is understood but cannot be planned
     with, `InternalError` if the planner contradicts itself. Ctrl-C raises KeyboardInterrupt.
     """
+    begun_s = time.monotonic()
     limits = Limits(
         timeout_s,
         seed,
@@ -208,7 +216,8 @@ def solve(
         space=space,
         promptness=promptness,
     )
-    plans = improving_plans(read_problem(domain, problem), attachments, limits, warm_start)
+    parsed = read_problem(domain, problem)
+    plans = improving_plans(parsed, attachments, limits.since(begun_s), warm_start)
     while True:
         try:
             plan = next(plans)

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -69,6 +70,7 @@ class PlanRequest:
 def run_plan(request: PlanRequest, provider: AttachmentProvider | None) -> int:
     """Plans; the exit code. Attachments come from `provider`."""
     limits, outputs = request.limits, request.outputs
+    begun_s = time.monotonic()
     with told():
         parsed = read_problem(read_domain(request.domain), request.problem)
         attachments = provided(provider, parsed, request.map)
@@ -78,7 +80,8 @@ def run_plan(request: PlanRequest, provider: AttachmentProvider | None) -> int:
 
             result = solve_with_peer(request.engine.value, parsed, attachments, limits.timeout_s)
         else:
-            result = _search(parsed, attachments, limits, outputs.plan_file, request.watch)
+            left = limits.since(begun_s)
+            result = _search(parsed, attachments, left, outputs.plan_file, request.watch)
         _write(result, parsed, limits.seed, outputs)
     if result.plan is None:
         sys.stderr.write(f"no plan: {result.outcome.row.meaning}\n")

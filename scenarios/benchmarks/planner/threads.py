@@ -1,4 +1,7 @@
-"""One thread and two, in the same wall time: first plans and the best ones."""
+"""One thread and two, each with the same CPU time: first plans and the best ones.
+
+On an idle machine of two cores that is the same wall time; on a busy one wall times say little.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from planner import Problem, read_domain, read_problem, solve
+from planner import Problem, read_domain, read_problem
+from planner.solving import Limits, improving_plans
 from scenarios.benchmarks._markdown import table
 from scenarios.benchmarks.planner.instances import families, ipc_instances
 
@@ -24,16 +28,18 @@ IPC = (
     "2011 temporal-machine-shop 10",
 )
 
+WALL_FACTOR = 20.0
+"""Wall seconds allowed for a CPU second: the machine may be busy."""
+
 
 @dataclass(frozen=True, slots=True)
 class Solved:
-    """What one search reached; infinite without a plan."""
+    """What one search reached, times by thread; infinite without a plan."""
 
     first_s: float
     first: float
     best: float
     cpu_s: float
-    outcome: str
 
 
 def run(data: Path, *, quick: bool) -> str:
@@ -55,7 +61,7 @@ def run(data: Path, *, quick: bool) -> str:
     columns = ["instance"]
     for title in ("one thread", "two"):
         columns += [f"{title}: plans", "first after [s]", "best", "CPU s"]
-    title = f"One thread and two, {limit_s:g} s of wall time, load {os.getloadavg()[0]:.1f}"
+    title = f"One thread and two, {limit_s:g} CPU seconds each, load {os.getloadavg()[0]:.1f}"
     return table(title, columns, rows)
 
 
@@ -77,14 +83,19 @@ def _mean(values: Sequence[float], digits: int) -> str:
 
 def solved(problem: Problem, threads: int, seed: int, limit_s: float) -> Solved:
     """One search."""
-    cpu_begun_s = time.process_time()
-    result = solve(problem.domain, problem, threads=threads, seed=seed, timeout_s=limit_s)
-    values = [plan.makespan if plan.metric is None else plan.metric for plan in result.plans]
-    first_s = result.plans[0].wall_s if result.plans else None
+    begun_s = time.process_time()
+    limits = Limits(
+        timeout_s=WALL_FACTOR * limit_s,
+        seed=seed,
+        threads=threads,
+        cpu_timeout_s=begun_s + threads * limit_s,
+    )
+    plans = list(improving_plans(problem, None, limits))
+    values = [plan.makespan if plan.metric is None else plan.metric for plan in plans]
+    first_s = plans[0].cpu_s if plans else None
     return Solved(
-        first_s if first_s is not None else float("inf"),
+        (first_s - begun_s) / threads if first_s is not None else float("inf"),
         values[0] if values else float("inf"),
         values[-1] if values else float("inf"),
-        time.process_time() - cpu_begun_s,
-        result.outcome.value,
+        (time.process_time() - begun_s) / threads,
     )

@@ -24,7 +24,7 @@ pub struct SolveOptions<'a> {
     pub threads: usize,
     /// Expansions and lists tried, together, after which to stop.
     pub node_limit: Option<u64>,
-    /// Bytes that searching may hold.
+    /// Bytes that the task and searching may hold.
     pub memory_limit: usize,
     /// Set by another thread to stop; noticed within 50 ms.
     pub cancel: Option<&'a AtomicBool>,
@@ -142,6 +142,9 @@ pub enum SolveError {
 /// more when there is one. Afterwards everything is grounded.
 const WIDTHS: [u32; 4] = [2, 6, 12, 32];
 
+/// What an operator takes in the task at least, with what every search needs: measured.
+const LEAST_OPERATOR_BYTES: usize = 2_000;
+
 /// Solves a problem and calls `improved` with every improving plan as soon as it is found.
 ///
 /// # Errors
@@ -155,7 +158,10 @@ pub fn solve(
     improved: &mut dyn FnMut(&Plan),
 ) -> Result<SolveReport, SolveError> {
     let begun = Instant::now();
+    let fitting = options.memory_limit / LEAST_OPERATOR_BYTES;
+    let most = GroundingLimits::default().operators;
     let limits = GroundingLimits {
+        operators: most.min(fitting),
         deadline: options.timeout.map(|timeout| begun + timeout),
         cancel: options.cancel,
         ..GroundingLimits::default()
@@ -167,6 +173,10 @@ pub fn solve(
     let mut grounded = ground(domain, problem, attachments, &whole);
     let mut found: Option<SolveReport> = None;
     let mut widths = WIDTHS.iter();
+    if fitting < most && matches!(grounded, Err(GroundingError::TooManyOperators { .. })) {
+        // A part may fit.
+        grounded = Err(GroundingError::TooManyCandidates);
+    }
     loop {
         if matches!(grounded, Err(GroundingError::TooManyCandidates)) {
             grounded = match widths.next() {
@@ -184,6 +194,9 @@ pub fn solve(
             }
             (Err(GroundingError::Cancelled), narrow) => {
                 return Ok(ended(Outcome::Cancelled, begun, narrow));
+            }
+            (Err(GroundingError::TooManyOperators { .. }), narrow) if fitting < most => {
+                return Ok(ended(Outcome::OutOfMemory, begun, narrow));
             }
             (Err(GroundingError::Attachment(error)), _) => {
                 return Err(SolveError::Attachment(error));

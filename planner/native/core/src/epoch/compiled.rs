@@ -59,17 +59,31 @@ impl<'a> Compiled<'a> {
     /// Prepares a task.
     #[must_use]
     pub fn new(task: &'a Task) -> Self {
+        let operators = task.operators.iter();
+        Self::with(task, operators.map(|each| compile(task, each)).collect())
+    }
+
+    /// Prepares a task unless `stop` says so meanwhile.
+    #[must_use]
+    pub fn unless(stop: &dyn Fn() -> bool, task: &'a Task) -> Option<Self> {
+        let mut operators = Vec::with_capacity(task.operators.len());
+        for batch in task.operators.chunks(4_096) {
+            if stop() {
+                return None;
+            }
+            operators.extend(batch.iter().map(|each| compile(task, each)));
+        }
+        Some(Self::with(task, operators))
+    }
+
+    fn with(task: &'a Task, operators: Vec<CompiledOperator>) -> Self {
         let mut derived: Vec<FactId> = task.axioms.iter().map(|axiom| axiom.head).collect();
         derived.sort_unstable();
         derived.dedup();
         Self {
             task,
             words: task.facts.len().div_ceil(64),
-            operators: task
-                .operators
-                .iter()
-                .map(|operator| compile(task, operator))
-                .collect(),
+            operators,
             timed: task
                 .timed
                 .iter()

@@ -21,6 +21,9 @@ use super::state::State;
 use super::successors::Successors;
 use super::transitions::Transitions;
 
+/// Operators from which on the limits are looked at after every state.
+const LARGE: usize = 5_000;
+
 /// Parameters of one search.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameters {
@@ -71,7 +74,7 @@ pub struct Search<'a> {
     compiled: &'a Compiled<'a>,
     successors: &'a Successors,
     heuristics: Vec<Box<dyn Heuristic + 'a>>,
-    parameters: Parameters,
+    pub(crate) parameters: Parameters,
     registry: Registry,
     open: Alternation,
     bound: f64,
@@ -164,8 +167,11 @@ impl<'a> Search<'a> {
             }
         }
         let end = self.statistics.expansions + expansions;
+        // Where a state takes long, every one is followed by a look at the limits.
+        let large = self.compiled.operators.len() >= LARGE;
+        let interval = if large { 1 } else { 16 };
         while self.statistics.expansions < end {
-            if self.statistics.generated.is_multiple_of(16) && stop() {
+            if self.statistics.generated.is_multiple_of(interval) && stop() {
                 return Status::Interrupted;
             }
             let Some((parent, edge)) = self.next() else {
@@ -198,7 +204,7 @@ impl<'a> Search<'a> {
             if self.expand(node, simultaneous, found) {
                 return Status::Found;
             }
-            if self.statistics.expansions.is_multiple_of(1024)
+            if self.statistics.expansions.is_multiple_of(64 * interval)
                 && self.memory() > self.parameters.memory
             {
                 return Status::MemoryFull;

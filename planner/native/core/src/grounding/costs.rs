@@ -6,8 +6,12 @@ use crate::attachment::{AttachmentError, Attachments, Purity};
 use crate::pddl::model::{ModuleId, ModuleKind, ObjectId};
 
 use super::world::World;
+use super::{GroundingError, GroundingLimits};
 
 type Arguments = Box<[ObjectId]>;
+
+/// Calls in one batch: some milliseconds' worth.
+const BATCH: usize = 4_096;
 
 /// The memo and the calls it still lacks.
 pub(super) struct Costs<'a> {
@@ -53,50 +57,64 @@ impl<'a> Costs<'a> {
         None
     }
 
-    /// Evaluates what is wanted, one `evaluate` a module.
-    pub(super) fn evaluate(&mut self, world: &World<'_>) -> Result<(), AttachmentError> {
+    /// Evaluates what is wanted, by module in batches between which the limits are looked at.
+    pub(super) fn evaluate(
+        &mut self,
+        world: &World<'_>,
+        limits: &GroundingLimits<'_>,
+    ) -> Result<(), GroundingError> {
         for module in 0..self.wanted.len() {
             let mut wanted = std::mem::take(&mut self.wanted[module]);
             wanted.sort_by(|left, right| left.0.cmp(&right.0));
             wanted.dedup_by(|left, right| left.0 == right.0);
-            if wanted.is_empty() {
-                continue;
+            for batch in wanted.chunks(BATCH) {
+                limits.check()?;
+                self.evaluate_batch(world, module, batch)?;
             }
-            let declaration = &world.domain.modules[module];
-            let calls: Vec<Vec<String>> = wanted
-                .iter()
-                .map(|(arguments, _)| {
-                    arguments
-                        .iter()
-                        .map(|object| world.problem.objects[object.index()].name.text.clone())
-                        .collect()
-                })
-                .collect();
-            let fault = |position: usize, reason: String| AttachmentError {
-                module: declaration.name.text.clone(),
-                arguments: calls.get(position).cloned().unwrap_or_default(),
-                action: wanted
-                    .get(position)
-                    .map(|(_, action)| action.clone())
-                    .unwrap_or_default(),
-                reason,
-            };
-            let values = self
-                .attachments
-                .evaluate(ModuleId(module as u32), &calls, None)
-                .map_err(|(position, reason)| fault(position, reason))?;
-            if values.len() != calls.len() {
-                let reason = format!("{} values for {} calls", values.len(), calls.len());
-                return Err(fault(0, reason));
+        }
+        Ok(())
+    }
+
+    fn evaluate_batch(
+        &mut self,
+        world: &World<'_>,
+        module: usize,
+        wanted: &[(Arguments, String)],
+    ) -> Result<(), AttachmentError> {
+        let declaration = &world.domain.modules[module];
+        let calls: Vec<Vec<String>> = wanted
+            .iter()
+            .map(|(arguments, _)| {
+                arguments
+                    .iter()
+                    .map(|object| world.problem.objects[object.index()].name.text.clone())
+                    .collect()
+            })
+            .collect();
+        let fault = |position: usize, reason: String| AttachmentError {
+            module: declaration.name.text.clone(),
+            arguments: calls.get(position).cloned().unwrap_or_default(),
+            action: wanted
+                .get(position)
+                .map(|(_, action)| action.clone())
+                .unwrap_or_default(),
+            reason,
+        };
+        let values = self
+            .attachments
+            .evaluate(ModuleId(module as u32), &calls, None)
+            .map_err(|(position, reason)| fault(position, reason))?;
+        if values.len() != calls.len() {
+            let reason = format!("{} values for {} calls", values.len(), calls.len());
+            return Err(fault(0, reason));
+        }
+        for (position, &value) in values.iter().enumerate() {
+            if let Some(reason) = complaint(declaration.kind, value) {
+                return Err(fault(position, reason));
             }
-            for (position, &value) in values.iter().enumerate() {
-                if let Some(reason) = complaint(declaration.kind, value) {
-                    return Err(fault(position, reason));
-                }
-            }
-            for ((arguments, _), value) in wanted.into_iter().zip(values) {
-                self.known[module].insert(arguments, value);
-            }
+        }
+        for ((arguments, _), value) in wanted.iter().zip(values) {
+            self.known[module].insert(arguments.clone(), value);
         }
         Ok(())
     }

@@ -10,6 +10,8 @@ use super::relation::Relation;
 use super::schema::Schema;
 
 const UNBOUND: ObjectId = ObjectId(u32::MAX);
+/// Partial instantiations between two looks at the clock.
+const STEPS: u32 = 1 << 14;
 
 /// The fresh atom that a join starts from.
 #[derive(Clone, Copy)]
@@ -25,11 +27,13 @@ pub(super) struct Trigger<'a> {
 }
 
 /// Calls `emit` with the arguments of every instantiation that the trigger completes, or, without
-/// one, of every instantiation over the atoms in the relations, until `emit` says false.
+/// one, of every instantiation over the atoms in the relations, until `emit` says false. `go_on` is
+/// asked now and then, also while nothing is found.
 pub(super) fn instantiate(
     schema: &Schema<'_>,
     relations: &[Relation],
     trigger: Option<Trigger<'_>>,
+    go_on: &dyn Fn() -> bool,
     emit: &mut dyn FnMut(&[ObjectId]) -> bool,
 ) {
     let mut join = Join {
@@ -40,6 +44,8 @@ pub(super) fn instantiate(
         done: vec![false; schema.join.len()],
         stopped: false,
         in_order: trigger.is_none_or(|t| t.in_order),
+        steps: 0,
+        go_on,
         emit,
     };
     if let Some(trigger) = trigger {
@@ -61,6 +67,9 @@ struct Join<'a, 'b> {
     done: Vec<bool>,
     stopped: bool,
     in_order: bool,
+    /// Partial instantiations looked at.
+    steps: u32,
+    go_on: &'a dyn Fn() -> bool,
     emit: &'a mut dyn FnMut(&[ObjectId]) -> bool,
 }
 
@@ -116,8 +125,17 @@ impl Join<'_, '_> {
         }
     }
 
+    /// Counts a partial instantiation; false if the join is to end.
+    fn step(&mut self) -> bool {
+        self.steps += 1;
+        if self.steps.is_multiple_of(STEPS) && !(self.go_on)() {
+            self.stopped = true;
+        }
+        !self.stopped
+    }
+
     fn extend(&mut self) {
-        if self.stopped || !self.equalities_hold() {
+        if !self.step() || !self.equalities_hold() {
             return;
         }
         let Some(position) = self.cheapest() else {
@@ -151,7 +169,7 @@ impl Join<'_, '_> {
         } else {
             let mut bound = Vec::new();
             let mut visit = |join: &mut Self, row: u32| {
-                if join.stopped {
+                if !join.step() {
                     return false;
                 }
                 if relation.sequence(row) > newest {
@@ -225,7 +243,10 @@ impl Join<'_, '_> {
         let schema = self.schema;
         for &object in &schema.candidates[variable] {
             self.bindings[variable] = object;
-            if !self.stopped && self.equalities_hold() {
+            if !self.step() {
+                break;
+            }
+            if self.equalities_hold() {
                 self.enumerate(variable + 1);
             }
         }

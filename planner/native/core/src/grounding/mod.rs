@@ -189,11 +189,14 @@ fn ground_with(
                 || attachments.purity(module) == Purity::State
         });
     let mut task = assembly::assemble(&world, reached, &strata, stateful, limits)?;
+    limits.check()?;
     if !stateful {
         relevance::prune(&mut task);
     }
     task.partial = width.is_some();
+    limits.check()?;
     task.mutex_groups = invariants::synthesise(&task);
+    limits.check()?;
     invariants::prune_mutex_conditions(&mut task);
     Ok(task)
 }

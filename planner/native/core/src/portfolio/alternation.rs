@@ -1,4 +1,4 @@
-//! One thread: the two searches take turns, each turn longer than the last.
+//! One thread: the searches take turns, each turn longer than the last.
 
 use std::cell::OnceCell;
 use std::sync::atomic::AtomicBool;
@@ -11,7 +11,7 @@ use crate::solve::SolveError;
 
 use super::incumbent::Incumbent;
 use super::prelude::Prelude;
-use super::{Setting, from_schedule};
+use super::{Role, Setting, from_schedule};
 
 /// First turn of the list-schedule search.
 const TURN: Duration = Duration::from_millis(40);
@@ -50,6 +50,10 @@ pub(super) fn run(
     let mut search = setting.search(&calls, setting.options.seed);
     let (compressed, tables) = (OnceCell::new(), OnceCell::new());
     let mut preludes = Prelude::all(setting.options);
+    if setting.role == Role::Second && !preludes.is_empty() {
+        // Begins with what the first thread comes to last.
+        preludes.rotate_right(1);
+    }
     let mut optimiser = optimiser;
     let mut epoch_open = true;
     // How the decision-epoch search ended.
@@ -62,8 +66,17 @@ pub(super) fn run(
     // Where one action has to start inside another, the list-schedule search is the second choice.
     let epoch_first = setting.completeness.required_concurrency;
     loop {
+        if incumbent.import() {
+            adopt = incumbent.operators().to_vec();
+        }
         let growth = f64::from(turn.min(24)).exp2();
-        let turn_time = TURN.mul_f64(growth.min(512.0));
+        // Threads that share their plans look at those of the others now and then.
+        let longest = if setting.role == Role::Alone {
+            512.0
+        } else {
+            64.0
+        };
+        let turn_time = TURN.mul_f64(growth.min(longest));
         let turn_nodes = (TURN_NODES as f64 * growth) as u64;
         if let Some(list_search) = &mut optimiser
             && !(epoch_first && turn == 0 && warm.is_empty())
@@ -124,6 +137,13 @@ pub(super) fn run(
             let spent = incumbent.report.schedules + search.statistics.expansions + sequential;
             budget = budget.min(setting.nodes_left(spent));
             search.set_bound(incumbent.bound());
+            if incumbent.exists() {
+                // They have found what they were for; gives the memory back.
+                preludes.clear();
+            }
+            let only_search = preludes.iter().all(Prelude::ended);
+            let memory = setting.memory();
+            search.parameters.memory = if only_search { memory } else { memory / 2 };
             loop {
                 let before = search.statistics.expansions;
                 let mut best_operators = None;

@@ -10,6 +10,8 @@ use crate::schedule::Promptness;
 use crate::solve::{FoundPlan, SolveReport};
 use crate::task::{OperatorId, Task};
 
+use super::exchange::Exchange;
+
 /// Collects improving plans into the report and hands them on.
 pub struct Incumbent<'a> {
     task: &'a Task,
@@ -20,6 +22,8 @@ pub struct Incumbent<'a> {
     promptness: Option<Promptness>,
     /// Operators of the best plan by start.
     operators: Vec<OperatorId>,
+    /// Where other threads are told and heard, and up to which version.
+    exchange: Option<(&'a Exchange, u64)>,
 }
 
 impl<'a> Incumbent<'a> {
@@ -39,7 +43,24 @@ impl<'a> Incumbent<'a> {
             improved,
             promptness,
             operators: Vec::new(),
+            exchange: None,
         }
+    }
+
+    /// Shares plans with other threads from now on.
+    #[must_use]
+    pub(super) fn shared_by(mut self, exchange: &'a Exchange) -> Self {
+        self.exchange = Some((exchange, 0));
+        self
+    }
+
+    /// Takes the best plan of the other threads if it is better than all before.
+    pub(super) fn import(&mut self) -> bool {
+        let Some((exchange, seen)) = &mut self.exchange else {
+            return false;
+        };
+        let newer = exchange.newer(seen);
+        newer.is_some_and(|found| self.offer(&found))
     }
 
     /// Whether there is a plan.
@@ -88,19 +109,24 @@ impl<'a> Incumbent<'a> {
         makespan + promptness.cost(ends)
     }
 
+    fn improves(&self, cost: f64, over: f64) -> bool {
+        if self.task.metric.as_ref().is_some_and(|m| m.maximise) {
+            cost > over + 1e-9
+        } else {
+            cost < over - 1e-9
+        }
+    }
+
     /// Takes a plan if it is better than all before.
     pub fn offer(&mut self, found: &Found) -> bool {
         let cost = self.cost(found);
-        let maximise = self.task.metric.as_ref().is_some_and(|m| m.maximise);
-        let better = self.report.plans.last().is_none_or(|best| {
-            if maximise {
-                cost > best.cost + 1e-9
-            } else {
-                cost < best.cost - 1e-9
-            }
-        });
+        let last = self.report.plans.last();
+        let better = last.is_none_or(|best| self.improves(cost, best.cost));
         if !better || cost.is_nan() {
             return false;
+        }
+        if let Some((exchange, _)) = self.exchange {
+            exchange.publish(found, |best| self.improves(cost, self.cost(best)));
         }
         let plan = found.plan(self.task);
         (self.improved)(&plan);

@@ -143,7 +143,7 @@ fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>, heuristic: Choice) 
         seed: setting.options.seed,
         dominance: Dominance::Untimed,
         tolerance: TOLERANCE,
-        memory: setting.options.memory_limit / 4,
+        memory: setting.memory() / 4,
     };
     let heuristics =
         heuristic.heuristics(&tables.compiled, &tables.relaxed, tables.graphs(heuristic));

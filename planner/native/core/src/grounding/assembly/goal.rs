@@ -16,7 +16,7 @@ impl Assembly<'_, '_> {
             formula = self.with(None, |instantiation, bindings| {
                 instantiation.condition(&world.problem.goal, true, bindings)
             });
-            self.reached.costs.evaluate(world)?;
+            self.reached.costs.evaluate(world, self.limits)?;
         }
         let mut goals = self.conjunctions(formula, None)?;
         match goals.len() {

@@ -57,9 +57,13 @@ pub(super) fn assemble(
     };
     let instances = std::mem::take(&mut assembly.reached.instances);
     let mut effects = Vec::with_capacity(instances.len());
-    for instance in &instances {
+    for (index, instance) in instances.iter().enumerate() {
+        if index.is_multiple_of(1024) {
+            limits.check()?;
+        }
         effects.push(assembly.effects(instance));
     }
+    assembly.task.operators.reserve(instances.len());
     let timed = assembly.timed();
     assembly.collect_initial();
     for (index, (instance, effects)) in instances.iter().zip(effects).enumerate() {

@@ -38,7 +38,7 @@ impl Exploration<'_, '_> {
                     self.enter(instance, formula);
                 }
             }
-            self.found.costs.evaluate(self.world)?;
+            self.found.costs.evaluate(self.world, limits)?;
             open = later;
         }
         Ok(())

@@ -7,7 +7,7 @@ use super::super::{GroundingError, GroundingLimits};
 /// Instantiations whose conditions and costs are still to be looked at.
 pub(super) struct Candidates<'l> {
     pub(super) list: Vec<(u32, Box<[ObjectId]>)>,
-    limits: &'l GroundingLimits<'l>,
+    pub(super) limits: &'l GroundingLimits<'l>,
     stopped: Option<GroundingError>,
 }
 
@@ -39,7 +39,8 @@ impl<'l> Candidates<'l> {
         self.stopped.is_none()
     }
 
+    /// Why nothing more can be added, if so.
     pub(super) fn fault(&mut self) -> Result<(), GroundingError> {
-        self.stopped.take().map_or(Ok(()), Err)
+        self.stopped.take().map_or_else(|| self.limits.check(), Err)
     }
 }

@@ -86,11 +86,7 @@ pub(super) fn reach<'b>(
             break;
         }
         exploration.admit(std::mem::take(&mut candidates.list), limits)?;
-        if exploration.found.instances.len() > limits.operators {
-            return Err(GroundingError::TooManyOperators {
-                limit: limits.operators,
-            });
-        }
+        exploration.has_room(limits)?;
         exploration.wake();
         limits.check()?;
     }
@@ -122,6 +118,7 @@ pub(super) fn reach_partially<'b>(
             break;
         }
         exploration.admit(std::mem::take(&mut candidates.list), limits)?;
+        exploration.has_room(limits)?;
         exploration.wake();
         limits.check()?;
     }
@@ -137,6 +134,14 @@ pub(super) fn reach_partially<'b>(
 }
 
 impl<'a, 'b> Exploration<'a, 'b> {
+    fn has_room(&self, limits: &GroundingLimits<'_>) -> Result<(), GroundingError> {
+        let limit = limits.operators;
+        if self.found.instances.len() > limit {
+            return Err(GroundingError::TooManyOperators { limit });
+        }
+        Ok(())
+    }
+
     /// The pending atoms that are near enough, nearest first, as positions in the queue.
     fn admit_pending(&mut self) -> Vec<usize> {
         let Some(beam) = &mut self.beam else {
@@ -232,9 +237,15 @@ impl<'a, 'b> Exploration<'a, 'b> {
             {
                 continue;
             }
-            instantiate(schema, &self.found.relations, None, &mut |arguments| {
-                candidates.add(index as u32, arguments)
-            });
+            let limits = candidates.limits;
+            let go_on = || limits.check().is_ok();
+            instantiate(
+                schema,
+                &self.found.relations,
+                None,
+                &go_on,
+                &mut |arguments| candidates.add(index as u32, arguments),
+            );
         }
         candidates.fault()
     }
@@ -248,6 +259,7 @@ impl<'a, 'b> Exploration<'a, 'b> {
         candidates: &mut Candidates<'_>,
     ) -> Result<(), GroundingError> {
         let (predicate, tuple) = &self.queue[head];
+        let limits = candidates.limits;
         for (index, schema) in self.found.schemas.iter().enumerate() {
             for (position, atom) in schema.join.iter().enumerate() {
                 if atom.predicate.index() != *predicate {
@@ -263,6 +275,7 @@ impl<'a, 'b> Exploration<'a, 'b> {
                     schema,
                     &self.found.relations,
                     Some(trigger),
+                    &|| limits.check().is_ok(),
                     &mut |arguments| {
                         let useful = self
                             .beam
