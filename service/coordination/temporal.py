@@ -259,8 +259,8 @@ class Planning:
         if limit is None or not self.situation.explores_with_carriers:
             return limit
         size = max(len(self.state.robots) * goals, 1)
-        fewer = round(limit * (FULL_SEARCH / size) ** 1.4)
-        return min(limit, max(LEAST_NODES, fewer))
+        share: float = (FULL_SEARCH / size) ** 1.4
+        return min(limit, max(LEAST_NODES, round(limit * share)))
 
     # The plan in force
 

@@ -1,6 +1,6 @@
 """Travel times and paths between the places of a mission, by the mission's ids."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 
 from domains import catalogue
@@ -36,6 +36,11 @@ class Travel:
         travel = cls(situation, memory)
         memory.keep("travel", travel)
         return travel
+
+    @property
+    def going(self) -> Mapping[str, str]:
+        """Where robots are driving to now."""
+        return self.situation.going
 
     def times_s(self, robots: Sequence[str], goals: Sequence[str]) -> list[list[float]]:
         """Travel times of each robot, from where it is now, to each goal."""

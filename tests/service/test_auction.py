@@ -15,6 +15,7 @@ class Plane:
 
     def __init__(self, robots: np.ndarray, goals: np.ndarray, sealed: Sequence[int] = ()) -> None:
         self.robots, self.goals, self.sealed = robots, goals, set(sealed)
+        self.going: dict[str, str] = {}
 
     def times_s(self, robots: Sequence[str], goals: Sequence[str]) -> list[list[float]]:
         return [[self._time_s(self.robots[int(r)], int(g)) for g in goals] for r in robots]
@@ -71,3 +72,38 @@ def test_the_rule_of_the_paper(seed: int) -> None:
         paths[robot].insert(place, goal)
         left.discard(goal)
     assert first_goals(plane) == {robot: path[0] for robot, path in enumerate(paths) if path}
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_robots_that_bid_anew_all_the_time_get_everywhere(seed: int) -> None:
+    """An auction after every metre: nobody turns to and fro between two goals for ever."""
+    random = np.random.default_rng(seed)
+    plane = Plane(random.uniform(0, 50, (1, 2)), random.uniform(0, 50, (9, 2)))
+    for _ in range(500):
+        first = first_goals(plane)
+        if not first:
+            break
+        plane.going = {str(robot): str(goal) for robot, goal in first.items()}
+        for robot, goal in first.items():
+            way = plane.goals[goal] - plane.robots[robot]
+            far = float(np.linalg.norm(way))
+            plane.robots[robot] += way * min(1.0, 1.0 / max(far, 1e-9))
+            if far <= 1.0:
+                plane.sealed.add(goal)
+    assert plane.sealed == set(range(9))
+
+
+def test_a_robot_keeps_the_goal_it_drives_to_unless_another_path_is_much_shorter() -> None:
+    plane = Plane(np.array([[0.0, 0.0]]), np.array([[5.0, 0.0], [-4.8, 0.0]]))
+    assert first_goals(plane) == {0: 1}
+    plane.going = {"0": "0"}
+    assert first_goals(plane) == {0: 0}  # 15.0 m, where the other order has 14.6 m
+    plane.goals[1] = [-2.0, 0.0]
+    assert first_goals(plane) == {0: 1}  # 9.0 m instead of 12.0 m
+
+
+def test_of_two_that_drive_to_one_goal_the_nearer_keeps_it() -> None:
+    goals = np.array([[9.0, 0.0], [-9.0, 0.0]])
+    plane = Plane(np.array([[0.0, 0.0], [1.0, 0.0]]), goals)
+    plane.going = {"0": "0", "1": "0"}
+    assert first_goals(plane) == {0: 1, 1: 0}
