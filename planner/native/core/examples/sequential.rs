@@ -1,4 +1,4 @@
-//! First plan of one action after the other: `sequential DOMAIN PROBLEM SECONDS [HEURISTIC]`, for measurements.
+//! First plan of one action after the other: `sequential DOMAIN PROBLEM SECONDS [HEURISTIC|novelty]`, for measurements.
 
 mod support;
 
@@ -16,6 +16,7 @@ use planner_core::epoch::transitions::Transitions;
 use planner_core::heuristic::choice::Choice;
 use planner_core::heuristic::relaxed::RelaxedTask;
 use planner_core::sequential::compression::compress;
+use planner_core::sequential::width::WidthSearch;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
@@ -42,6 +43,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let symmetry = planner_core::sequential::symmetry::Symmetry::new(&task);
     let name = arguments.get(4).map_or("temporal-ff", String::as_str);
+    let limit = Duration::from_secs_f64(seconds.parse()?);
+    if name == "novelty" {
+        let begun = Instant::now();
+        let mut search = WidthSearch::new(transitions, &successors, &relaxed, 2 << 30);
+        if let Some(symmetry) = &symmetry {
+            search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
+        }
+        let mut steps = 0;
+        let status = search.run(
+            u64::MAX >> 1,
+            &mut || begun.elapsed() > limit,
+            &mut |found| steps = found.steps.len(),
+        );
+        println!(
+            "{status:?} {steps} steps, {:.2} wall s, {:?}",
+            begun.elapsed().as_secs_f64(),
+            search.statistics
+        );
+        return Ok(());
+    }
     let choice = Choice::named(name).ok_or("no such heuristic")?;
     let graphs = choice.graphs(&task, &relaxed);
     let heuristics = choice.heuristics(&compiled, &relaxed, graphs.as_ref());
@@ -55,7 +76,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
     }
-    let limit = Duration::from_secs_f64(seconds.parse()?);
     let mut steps = 0;
     let status = search.run(
         u64::MAX >> 1,

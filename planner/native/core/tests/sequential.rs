@@ -5,12 +5,16 @@ mod support;
 use planner_core::attachment::NoAttachments;
 use planner_core::epoch::calls::Calls;
 use planner_core::epoch::compiled::Compiled;
+use planner_core::epoch::search::Status;
 use planner_core::epoch::state::State;
+use planner_core::epoch::successors::Successors;
 use planner_core::epoch::transitions::Transitions;
 use planner_core::grounding::{GroundingLimits, ground};
+use planner_core::heuristic::relaxed::RelaxedTask;
 use planner_core::sequential::compression::compress;
 use planner_core::sequential::symmetry::Symmetry;
 use planner_core::sequential::timing::one_after_the_other;
+use planner_core::sequential::width::WidthSearch;
 use planner_core::task::{OperatorId, Task};
 use support::{check, read};
 
@@ -151,4 +155,59 @@ fn plans_are_not_made_for_durations_that_depend_on_the_state() {
         &GroundingLimits::default(),
     );
     assert!(compress(&task.expect("grounds")).is_none());
+}
+
+/// Steps of the width search on a compressed task, and how it ended.
+fn by_width(compressed: &Task) -> (Status, Vec<OperatorId>) {
+    let compiled = Compiled::new(compressed);
+    let calls = Calls::new(compressed, &NoAttachments);
+    let transitions = Transitions {
+        compiled: &compiled,
+        calls: &calls,
+    };
+    let (successors, relaxed) = (Successors::new(&compiled), RelaxedTask::new(compressed));
+    let mut search = WidthSearch::new(transitions, &successors, &relaxed, 1 << 24);
+    let mut steps = Vec::new();
+    let status = search.run(10_000, &mut || false, &mut |found| {
+        steps = found.steps.iter().map(|step| step.0).collect();
+    });
+    (status, steps)
+}
+
+#[test]
+fn the_width_search_finds_steps_for_the_real_task() {
+    let task = task();
+    let (domain, problem) = read(GATE, BOXES);
+    let compressed = compress(&task).expect("compressible");
+    let (status, steps) = by_width(&compressed);
+    assert_eq!(status, Status::Found);
+    assert_eq!(
+        steps.len(),
+        3,
+        "a to the right, red to the right and on to the yard"
+    );
+    assert_eq!(by_width(&compressed).1, steps, "deterministic");
+    let compiled = Compiled::new(&task);
+    let calls = Calls::new(&task, &NoAttachments);
+    let transitions = Transitions {
+        compiled: &compiled,
+        calls: &calls,
+    };
+    let found = one_after_the_other(&transitions, &steps).expect("a plan");
+    check(&domain, &problem, &NoAttachments, &found.plan(&task));
+}
+
+#[test]
+fn the_width_search_ends_where_there_is_no_plan() {
+    // The relaxation has one: the key is used up by the first of two doors.
+    let domain = "(define (domain doors) (:requirements :strips)
+     (:predicates (key) (one) (other))
+     (:action first :parameters () :precondition (key) :effect (and (one) (not (key))))
+     (:action second :parameters () :precondition (key) :effect (and (other) (not (key)))))";
+    let problem = "(define (problem p) (:domain doors) (:init (key)) (:goal (and (one) (other))))";
+    let (domain, problem) = read(domain, problem);
+    let limits = GroundingLimits::default();
+    let task = ground(&domain, &problem, &NoAttachments, &limits).expect("grounds");
+    let compressed = compress(&task).expect("compressible");
+    assert_eq!(by_width(&compressed).0, Status::Exhausted);
 }

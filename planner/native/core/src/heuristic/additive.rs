@@ -40,6 +40,9 @@ pub struct AdditiveExploration<'a> {
     supporter: Vec<u32>,
     settled: Vec<bool>,
     preconditions: Vec<u32>,
+    /// By change of a fluent: what the preconditions of the cheapest action that makes it cost.
+    made: Vec<u32>,
+    touched_changes: Vec<u32>,
     counters: Vec<Counter>,
     /// By lasting proposition: for how long its fact still holds, where that is known to end.
     remaining: Vec<f64>,
@@ -62,6 +65,8 @@ impl<'a> AdditiveExploration<'a> {
             cost: vec![UNREACHED; propositions],
             supporter: vec![NOBODY; propositions],
             settled: vec![false; propositions],
+            made: vec![UNREACHED; relaxed.changes.len()],
+            touched_changes: Vec::new(),
             counters: preconditions
                 .iter()
                 .map(|&open| Counter { open, sum: 0 })
@@ -115,6 +120,9 @@ impl<'a> AdditiveExploration<'a> {
             self.supporter[proposition as usize] = NOBODY;
         }
         self.touched_propositions.clear();
+        for change in self.touched_changes.drain(..) {
+            self.made[change as usize] = UNREACHED;
+        }
         for &action in &self.touched_actions {
             self.counters[action as usize] = Counter {
                 open: self.preconditions[action as usize],
@@ -365,13 +373,25 @@ impl<'a> AdditiveExploration<'a> {
         for &proposition in relaxed.adds_of(index) {
             self.reach(proposition, cost, index);
         }
-        for support in &action.numeric {
-            let proposition = relaxed.first_comparison + support.comparison;
-            if self.cost[proposition as usize] == 0 {
+        for &change in &action.changes {
+            // Another action has made this change as cheaply.
+            let made = &mut self.made[change as usize];
+            if *made <= sum {
                 continue;
             }
-            if let Some(repetitions) = repetitions(relaxed, support, state) {
-                self.reach(proposition, (sum + own * repetitions).min(MOST), index);
+            if *made == UNREACHED {
+                self.touched_changes.push(change);
+            }
+            *made = sum;
+            let (from, to) = relaxed.changes[change as usize];
+            for support in &relaxed.supports[from as usize..to as usize] {
+                let proposition = relaxed.first_comparison + support.comparison;
+                if self.cost[proposition as usize] == 0 {
+                    continue;
+                }
+                if let Some(repetitions) = repetitions(relaxed, support, state) {
+                    self.reach(proposition, (sum + own * repetitions).min(MOST), index);
+                }
             }
         }
     }

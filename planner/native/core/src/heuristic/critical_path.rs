@@ -195,11 +195,7 @@ impl<'a> CriticalPath<'a> {
             Some(operator) => time.max(ready + operator.least_duration),
             None => time,
         };
-        let numeric = action
-            .numeric
-            .iter()
-            .map(|support| relaxed.first_comparison + support.comparison);
-        for proposition in relaxed.adds_of(index).iter().copied().chain(numeric) {
+        for proposition in relaxed.targets_of(index) {
             self.reach(proposition, time.max(ready + action.delay));
             if self.is_goal[proposition as usize] {
                 let finished = &mut self.finished[proposition as usize];

@@ -35,7 +35,7 @@ pub struct Transition {
     pub source: u32,
     /// The value afterwards.
     pub target: u32,
-    /// Which of the action's numeric supports makes the target true, or [`NOT_NUMERIC`].
+    /// Which of the relaxed task's numeric supports makes the target true, or [`NOT_NUMERIC`].
     pub support: u32,
     /// What must hold besides.
     pub conditions: Box<[Local]>,
@@ -144,12 +144,12 @@ pub fn domain_transition_graphs(
         .collect()
 }
 
-/// What an action makes true, with the positions of its numeric supports.
+/// What an action makes true, with the positions of the numeric supports.
 fn supports(relaxed: &RelaxedTask, action: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
     let adds = relaxed.adds_of(action).iter();
-    let numeric = relaxed.actions[action as usize].numeric.iter().enumerate();
+    let numeric = relaxed.supports_of(action);
     adds.map(|&add| (add, NOT_NUMERIC)).chain(
-        numeric.map(|(index, each)| (relaxed.first_comparison + each.comparison, index as u32)),
+        numeric.map(|(position, each)| (relaxed.first_comparison + each.comparison, position)),
     )
 }
 

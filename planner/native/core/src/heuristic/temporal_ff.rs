@@ -87,8 +87,9 @@ impl<'a> TemporalFf<'a> {
             let mut times = 1;
             if proposition >= relaxed.first_comparison {
                 let comparison = proposition - relaxed.first_comparison;
-                let supports = action.numeric.iter().filter(|s| s.comparison == comparison);
+                let supports = relaxed.supports_of(index).map(|(_, support)| support);
                 times = supports
+                    .filter(|support| support.comparison == comparison)
                     .filter_map(|support| repetitions(relaxed, support, state))
                     .min()
                     .unwrap_or(1);

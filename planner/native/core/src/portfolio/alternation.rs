@@ -24,8 +24,8 @@ const SHARE: f64 = 0.15;
 
 /// Parts of a turn that each search for sequential plans gets; only a task without a plan does.
 const PRELUDE_SHARE: f64 = 1.5;
-/// From which turn on there is a second one, under another heuristic.
-const SECOND_PRELUDE: u32 = 3;
+/// From which turns on there are more of them, led by something else.
+const MORE_PRELUDES: [u32; 2] = [1, 3];
 
 /// Turns in which it gets more: small spaces are exhausted, and proofs found, by then.
 const EARLY: u32 = 4;
@@ -207,7 +207,7 @@ pub(super) fn run(
                 return Ok(epoch_ended);
             }
         }
-        let begun = if turn < SECOND_PRELUDE { 1 } else { 2 };
+        let begun = 1 + MORE_PRELUDES.iter().filter(|from| turn >= **from).count();
         for prelude in preludes.iter_mut().take(begun) {
             if incumbent.exists() {
                 break;

@@ -15,6 +15,7 @@ use crate::heuristic::relaxed::RelaxedTask;
 use crate::sequential::compression::compress;
 use crate::sequential::symmetry::Symmetry;
 use crate::sequential::timing::one_after_the_other;
+use crate::sequential::width::WidthSearch;
 use crate::solve::{SolveOptions, Space};
 use crate::task::{OperatorId, Task};
 
@@ -55,18 +56,30 @@ impl<'t> Tables<'t> {
     }
 }
 
+/// What leads a search.
+#[derive(Clone, Copy)]
+enum Guide {
+    Heuristic(Choice),
+    Novelty,
+}
+
+enum Engine<'s> {
+    BestFirst(Search<'s>),
+    Width(WidthSearch<'s>),
+}
+
 /// A search that begins with its first turn and ends with its first plan.
 pub(super) struct Prelude<'s> {
-    heuristic: Choice,
-    search: Option<Search<'s>>,
+    guide: Guide,
+    search: Option<Engine<'s>>,
     ended: bool,
 }
 
 impl<'s> Prelude<'s> {
     /// Not begun.
-    pub(super) fn new(heuristic: Choice) -> Self {
+    fn new(guide: Guide) -> Self {
         Self {
-            heuristic,
+            guide,
             search: None,
             ended: false,
         }
@@ -77,10 +90,11 @@ impl<'s> Prelude<'s> {
     pub(super) fn all(options: &SolveOptions<'_>) -> Vec<Self> {
         match (options.space, options.heuristic) {
             (Space::DecisionEpochs, _) => Vec::new(),
-            (Space::Portfolio, Some(named)) => vec![Self::new(named)],
+            (Space::Portfolio, Some(named)) => vec![Self::new(Guide::Heuristic(named))],
             (Space::Portfolio, None) => vec![
-                Self::new(Choice::TemporalFf),
-                Self::new(Choice::ContextEnhancedAdditive),
+                Self::new(Guide::Heuristic(Choice::TemporalFf)),
+                Self::new(Guide::Novelty),
+                Self::new(Guide::Heuristic(Choice::ContextEnhancedAdditive)),
             ],
         }
     }
@@ -92,8 +106,11 @@ impl<'s> Prelude<'s> {
 
     /// What was done so far.
     pub(super) fn statistics(&self) -> Statistics {
-        let search = self.search.as_ref();
-        search.map_or_else(Statistics::default, |search| search.statistics)
+        match &self.search {
+            None => Statistics::default(),
+            Some(Engine::BestFirst(search)) => search.statistics,
+            Some(Engine::Width(search)) => search.statistics,
+        }
     }
 
     /// Searches for `expansions` more states; a plan, timed one step after the other, if that
@@ -117,13 +134,19 @@ impl<'s> Prelude<'s> {
                 return None;
             };
             let tables = tables.get_or_init(|| Tables::new(compressed));
-            self.search = Some(search(setting, tables, self.heuristic));
+            self.search = Some(match self.guide {
+                Guide::Heuristic(heuristic) => {
+                    Engine::BestFirst(search(setting, tables, heuristic))
+                }
+                Guide::Novelty => Engine::Width(width_search(setting, tables)),
+            });
         }
         let mut found = None;
-        let status = self
-            .search
-            .as_mut()?
-            .run(expansions, stop, &mut |plan| found = Some(plan));
+        let mut keep = |plan| found = Some(plan);
+        let status = match self.search.as_mut()? {
+            Engine::BestFirst(search) => search.run(expansions, stop, &mut keep),
+            Engine::Width(search) => search.run(expansions, stop, &mut keep),
+        };
         if status != Status::Interrupted {
             self.ended = true;
         }
@@ -131,6 +154,19 @@ impl<'s> Prelude<'s> {
         let operators: Vec<OperatorId> = found?.steps.iter().map(|step| step.0).collect();
         one_after_the_other(&setting.transitions(&calls), &operators)
     }
+}
+
+fn width_search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>) -> WidthSearch<'s> {
+    let transitions = Transitions {
+        compiled: &tables.compiled,
+        calls: &tables.calls,
+    };
+    let memory = setting.options.memory_limit / 4;
+    let mut search = WidthSearch::new(transitions, &tables.successors, &tables.relaxed, memory);
+    if let Some(symmetry) = &tables.symmetry {
+        search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));
+    }
+    search
 }
 
 fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>, heuristic: Choice) -> Search<'s> {

@@ -11,6 +11,7 @@ impl State {
             operator,
             start,
             duration,
+            ..
         } = dispatch;
         let end = start + duration;
         let (from, to) = model.shapes[operator as usize].reads;

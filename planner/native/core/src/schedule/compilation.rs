@@ -31,6 +31,7 @@ impl Model {
             details: Vec::new(),
             window_of: vec![NONE; fact_count],
             windowed: Vec::new(),
+            window_lengths: Vec::new(),
             goal_value: vec![None; fact_count],
             threatens_goal: Vec::new(),
             goal: literals(&task.goal).collect(),
@@ -57,6 +58,10 @@ impl Model {
         for operator in &task.operators {
             model.add(operator, &mut own)?;
         }
+        for lengths in &mut model.window_lengths {
+            lengths.sort_by(f64::total_cmp);
+            lengths.dedup();
+        }
         Some(model)
     }
 
@@ -65,6 +70,7 @@ impl Model {
         if *slot == NONE {
             *slot = self.windowed.len() as u32;
             self.windowed.push(fact);
+            self.window_lengths.push(Vec::new());
         }
     }
 
@@ -167,14 +173,38 @@ impl Model {
             .filter(|write| write.after_own && !write.value)
             .map(|write| write.fact)
             .collect();
-        for fact in transient {
-            self.window(fact);
+        for fact in &transient {
+            self.window(*fact);
+            let opens = own[..start_writes].contains(&(*fact, true));
+            if opens && !excluded {
+                let length = if duration.is_nan() {
+                    f64::INFINITY
+                } else {
+                    duration
+                };
+                self.window_lengths[self.window_of[*fact as usize] as usize].push(length);
+            }
         }
         let plain = detail.bounds.is_none()
             && detail.comparisons.is_empty()
             && detail.numeric.is_empty()
             && detail.conditional.is_empty()
             && detail.mentions.is_empty();
+        let start_reads = &self.reads[reads_from as usize..];
+        let restores = |write: &Write| {
+            let reads = |read: &Read| (read.fact, read.value) == (write.fact, true);
+            write.after_own
+                && start_reads
+                    .iter()
+                    .any(|read| read.when == When::Start && reads(read))
+        };
+        let envelope = plain
+            && own[..start_writes]
+                .iter()
+                .any(|(fact, value)| *value && transient.contains(fact))
+            && self.writes[writes_from as usize..]
+                .iter()
+                .all(|write| !write.value || transient.contains(&write.fact) || restores(write));
         let detail = if plain {
             NONE
         } else {
@@ -191,6 +221,7 @@ impl Model {
             detail,
             instantaneous: operator.duration.is_none(),
             excluded,
+            envelope,
         });
         Some(())
     }

@@ -12,6 +12,21 @@ use crate::schedule::workshop::Workshop;
 /// Rounds over the goals: achieving one may destroy another.
 const ROUNDS: u32 = 6;
 
+/// Weight of distances where a list has to be finished soon.
+const HASTY_GREED: f32 = 3.0;
+
+/// How a list is made from nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manner {
+    /// The goals as they can be reached.
+    Thorough,
+    /// The goals by their bounds, and the first way to each that is found: for tasks so large that
+    /// the thorough list takes seconds.
+    Hasty,
+    /// One of both, at random.
+    Any,
+}
+
 impl Workshop {
     /// Achieves every goal that does not hold, in the given order; goals that later ones destroy
     /// are achieved again. `stop` is asked between goals.
@@ -34,7 +49,7 @@ impl Workshop {
                     return false;
                 }
                 let mark = self.state.mark();
-                if self.achieve(*goal, labelling, Restriction::default(), bound) {
+                if self.achieve(*goal, labelling, Restriction::default(), bound, stop) {
                     progress = true;
                 } else {
                     self.state.rollback(mark);
@@ -93,7 +108,9 @@ impl Workshop {
                 continue;
             }
             let mark = self.state.mark();
-            if !label.is_finite() || !self.achieve(goal, labelling, Restriction::default(), bound) {
+            if !label.is_finite()
+                || !self.achieve(goal, labelling, Restriction::default(), bound, stop)
+            {
                 self.state.rollback(mark);
                 left.push(goal);
             }
@@ -137,17 +154,23 @@ impl Workshop {
         order.sort_by(|left, right| rank[left].total_cmp(&rank[right]));
     }
 
-    /// One plan from nothing: the goals as they can be reached, or in random order.
-    pub fn construct(&mut self, first: bool, bound: f64, stop: &dyn Fn() -> bool) -> bool {
-        self.state.reset();
+    /// One plan from nothing.
+    pub fn construct(&mut self, manner: Manner, bound: f64, stop: &dyn Fn() -> bool) -> bool {
+        self.reset();
         let mut order = self.propositions.goal.clone();
         let mut labelling = self.labelling();
-        if first {
+        if manner != Manner::Any {
             labelling.effort = if self.objective.is_time() { 0.05 } else { 1.0 };
             labelling.noise = 0.05;
             labelling.protect = true;
         }
-        if first || self.random.random_bool(0.3) {
+        if manner == Manner::Hasty {
+            labelling.greed = HASTY_GREED;
+            self.sort_by_urgency(&mut order);
+            return self.achieve_goals(&mut order, labelling, bound, stop);
+        }
+        if manner == Manner::Thorough || self.random.random_bool(0.3) {
+            labelling.greed = 1.0;
             return self.achieve_earliest_first(labelling, bound, stop);
         }
         order.shuffle(&mut self.random);

@@ -9,6 +9,17 @@ use crate::task::GroundExpression;
 impl State {
     /// Earliest dispatch of an operator behind this list; `None` if it is not applicable.
     pub fn earliest(&self, model: &Model, operator: u32) -> Option<Dispatch> {
+        self.earliest_from(model, operator, 0.0, &[])
+    }
+
+    /// The same, not before `release` [s] and without asking for some facts with windows.
+    pub fn earliest_from(
+        &self,
+        model: &Model,
+        operator: u32,
+        release: f64,
+        without: &[u32],
+    ) -> Option<Dispatch> {
         let shape = &model.shapes[operator as usize];
         if shape.excluded {
             return None;
@@ -37,7 +48,7 @@ impl State {
                 }
             }
         };
-        let mut start = 0.0f64;
+        let mut start = release;
         let mut windowed = false;
         for read in model.reads(operator) {
             if read.own {
@@ -76,12 +87,13 @@ impl State {
             }
         }
         if windowed {
-            start = self.fit_windows(model, operator, start, duration)?;
+            start = self.fit_windows(model, operator, start, duration, without)?;
         }
         Some(Dispatch {
             operator,
             start,
             duration,
+            earliest: start,
         })
     }
 

@@ -27,6 +27,9 @@ pub struct Labelling {
     pub protect: bool,
     /// Count on past windows of facts that do not hold.
     pub windows: bool,
+    /// Weight of the distance to the target in the order of labels: with 1 they are the least ones,
+    /// with more of it fewer are looked at.
+    pub greed: f32,
 }
 
 /// What the last rule must look like.
@@ -52,8 +55,8 @@ struct Label {
     time: f32,
     cost: f32,
     supporter: u32,
-    generation: u32,
-    settled: bool,
+    /// Twice the generation, and one more when it is settled.
+    stamp: u32,
 }
 
 /// Reusable memory of the exploration.
@@ -81,8 +84,7 @@ impl Exploration {
             time: 0.0,
             cost: 0.0,
             supporter: NONE,
-            generation: 0,
-            settled: false,
+            stamp: 0,
         };
         Self {
             labels: vec![fresh; propositions.count()],
@@ -129,7 +131,7 @@ impl Exploration {
             labelling,
             ..
         } = *question;
-        self.generation += 1;
+        self.generation += 2;
         let generation = self.generation;
         self.queue.clear();
         let mut bound = f32::INFINITY;
@@ -157,6 +159,11 @@ impl Exploration {
                 self.seed(question, *fact, distance);
             }
         }
+        for proposition in &propositions.lasting {
+            if labelling.windows && propositions.held_once(model, state, *proposition) {
+                self.seed(question, *proposition, distance);
+            }
+        }
         for rule in &propositions.free {
             self.fire(question, *rule, distance, &mut bound);
         }
@@ -164,10 +171,10 @@ impl Exploration {
         while let Some(Reverse(entry)) = self.queue.pop() {
             let proposition = entry as u32;
             let label = &mut self.labels[proposition as usize];
-            if label.settled || label.generation != generation {
+            if label.stamp != generation {
                 continue;
             }
-            label.settled = true;
+            label.stamp += 1;
             self.settled += 1;
             if proposition == target {
                 return label.time + labelling.effort * label.cost;
@@ -216,10 +223,10 @@ impl Exploration {
             time,
             cost: 0.0,
             supporter: NONE,
-            generation: self.generation,
-            settled: false,
+            stamp: self.generation,
         };
-        let priority = time + self.weight(question.labelling) * ahead;
+        let labelling = question.labelling;
+        let priority = time + self.weight(labelling) * labelling.greed * ahead;
         self.queue.push(key(priority, proposition));
     }
 
@@ -241,7 +248,8 @@ impl Exploration {
             restriction,
         } = *question;
         let rule = &propositions.rules[rule_index as usize];
-        if labelling.protect && destroys(model, state, rule.operator) {
+        let acts = rule.operator != NONE;
+        if acts && labelling.protect && destroys(model, state, rule.operator) {
             return;
         }
         let generation = self.generation;
@@ -250,7 +258,7 @@ impl Exploration {
         let mut direct = true;
         for need in propositions.needs(rule) {
             let label = &self.labels[need.proposition as usize];
-            if label.generation != generation || !label.settled {
+            if label.stamp != generation + 1 {
                 self.behind[rule_index as usize] = self.first_waiting(need.proposition);
                 self.waiting[need.proposition as usize] = (generation, rule_index);
                 return;
@@ -260,7 +268,7 @@ impl Exploration {
             cost += label.cost;
             direct &= label.supporter == NONE;
         }
-        if direct {
+        if acts && direct {
             // Nothing relaxed about it: readers, numeric conditions and capacities count.
             match state.earliest(model, rule.operator) {
                 Some(dispatch) => time = time.max(dispatch.start as f32),
@@ -288,22 +296,21 @@ impl Exploration {
             let lasts = add.at_end || add.proposition == target;
             let reached = time + if lasts { duration } else { 0.0 };
             let value = reached + labelling.effort * cost;
-            let priority = value + weight * ahead;
-            if priority >= *bound {
+            if value + weight * ahead >= *bound {
                 continue;
             }
+            let priority = value + weight * labelling.greed * ahead;
             let label = &mut self.labels[add.proposition as usize];
-            if label.generation == generation
-                && (label.settled || label.time + labelling.effort * label.cost <= value)
-            {
+            let settled = label.stamp == generation + 1;
+            let known = label.stamp == generation;
+            if settled || known && label.time + labelling.effort * label.cost <= value {
                 continue;
             }
             *label = Label {
                 time: reached,
                 cost,
                 supporter: rule_index,
-                generation,
-                settled: false,
+                stamp: generation,
             };
             if add.proposition == target {
                 *bound = value;
@@ -318,7 +325,10 @@ impl Exploration {
         while let Some((proposition, leaving)) = stack.pop() {
             let supporter = self.labels[proposition as usize].supporter;
             if leaving {
-                plan.push((propositions.rules[supporter as usize].operator, proposition));
+                let operator = propositions.rules[supporter as usize].operator;
+                if operator != NONE {
+                    plan.push((operator, proposition));
+                }
                 continue;
             }
             if supporter == NONE || self.visited[proposition as usize] == generation {

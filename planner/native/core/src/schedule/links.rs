@@ -136,7 +136,7 @@ impl Links {
         for writers in &mut self.writers {
             writers.clear();
         }
-        collect(propositions, operators, &links, &numeric)
+        collect(model, propositions, operators, &links, &numeric)
     }
 
     fn link(&self, consumer: u32, fact: u32, value: bool, used_up: bool, links: &mut Vec<Link>) {
@@ -177,6 +177,7 @@ impl Links {
 }
 
 fn collect(
+    model: &Model,
     propositions: &Propositions,
     operators: &[u32],
     links: &[Link],
@@ -218,7 +219,7 @@ fn collect(
             let element = &mut elements[link.producer as usize];
             let role = if consumer == end {
                 Role::Goal
-            } else if link.used_up {
+            } else if link.used_up || model.shapes[element.operator as usize].envelope {
                 Role::Transit
             } else {
                 Role::Lasting

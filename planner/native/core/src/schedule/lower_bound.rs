@@ -27,7 +27,7 @@ pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) 
                 Meaning::Literal(fact, _) => {
                     !model.initial_facts[fact as usize] || model.window_of[fact as usize] != NONE
                 }
-                Meaning::Numeric(_) => true,
+                Meaning::Lasting(..) | Meaning::Numeric(_) | Meaning::Change => true,
             }
         };
         if open {
@@ -54,6 +54,9 @@ pub fn goal_bounds(model: &Model, propositions: &Propositions, initial: &State) 
     let mut fire =
         |rule_index: usize, label: &mut Vec<f64>, queue: &mut BinaryHeap<Reverse<(u64, u32)>>| {
             let rule = &propositions.rules[rule_index];
+            if rule.operator == NONE {
+                return; // numeric, and so open from the beginning
+            }
             let shape = &model.shapes[rule.operator as usize];
             // A duration that depends on the state may be anything.
             let duration = if shape.duration.is_nan() {

@@ -13,11 +13,14 @@
 //! search.
 
 mod application;
+mod changes;
 mod compilation;
 mod construction;
 mod dispatch;
 mod distances;
+mod envelopes;
 mod exploration;
+mod limits;
 mod links;
 mod lower_bound;
 mod model;
@@ -35,5 +38,6 @@ mod testing;
 mod windows;
 mod workshop;
 
-pub use optimiser::{Ending, Limits, Optimiser, Schedule, ScheduledOperator};
+pub use limits::Limits;
+pub use optimiser::{Ending, Optimiser, Schedule, ScheduledOperator};
 pub use promptness::Promptness;

@@ -99,6 +99,8 @@ pub struct Shape {
     pub instantaneous: bool,
     /// Left out: it can never run in this space.
     pub excluded: bool,
+    /// All it achieves are windows: facts that hold only while it runs.
+    pub envelope: bool,
 }
 
 /// The compiled task.
@@ -115,6 +117,8 @@ pub struct Model {
     pub window_of: Vec<u32>,
     /// The facts with windows.
     pub windowed: Vec<u32>,
+    /// For how long operators open each of them, sorted [s].
+    pub window_lengths: Vec<Vec<f64>>,
     pub goal: Vec<(u32, bool)>,
     pub goal_comparisons: Vec<Comparing>,
     /// What the goal wants of each fact.

@@ -1,12 +1,14 @@
 //! The anytime optimiser: multi-start construction, then simulated annealing over list
 //! neighbourhoods in cycles of growing length.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use rand::RngExt;
 
 use crate::plan::Plan;
+use crate::schedule::construction::Manner;
+use crate::schedule::limits::Limits;
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::model::NONE;
 use crate::schedule::promptness::Promptness;
@@ -20,29 +22,6 @@ const HOT: f64 = 0.02;
 const COLD: f64 = 0.001;
 /// Iterations of the first cycle; each later one is longer.
 const FIRST_CYCLE: u64 = 1_500;
-
-/// What bounds a run.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits<'a> {
-    /// When to stop.
-    pub deadline: Option<Instant>,
-    /// Until when the first list of all may be finished, if that is later: one that is cut off in
-    /// every turn leads nowhere.
-    pub patience: Option<Instant>,
-    /// Set by somebody else to stop.
-    pub cancel: &'a AtomicBool,
-    /// Largest number of lists to try.
-    pub nodes: Option<u64>,
-}
-
-impl Limits<'_> {
-    fn reached(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
-            || self
-                .deadline
-                .is_some_and(|deadline| Instant::now() >= deadline)
-    }
-}
 
 /// One operator of a plan with its start and duration [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,14 +257,18 @@ impl<'t> Optimiser<'t> {
             }
             self.nodes += 1;
             let bound = self.threshold();
-            let first = self.nodes == 1;
+            let manner = match self.nodes {
+                1 => Manner::Thorough,
+                2 if self.best.is_none() => Manner::Hasty,
+                _ => Manner::Any,
+            };
             let patient = || match limits.patience {
-                Some(patience) if first => {
+                Some(patience) if manner != Manner::Any => {
                     limits.cancel.load(Ordering::Relaxed) || Instant::now() >= patience
                 }
                 _ => stop(),
             };
-            if self.workshop.construct(first, bound, &patient) {
+            if self.workshop.construct(manner, bound, &patient) {
                 let elements = self.workshop.prune(&mut self.links);
                 self.offer(&elements, on_plan);
             }
@@ -309,7 +292,7 @@ impl<'t> Optimiser<'t> {
         let better = self.best.as_ref().is_none_or(|best| {
             cost < best.cost - 1e-9 || (cost <= best.cost + 1e-9 && makespan < best.makespan - 1e-9)
         });
-        if !better || cost.is_nan() {
+        if !better || cost.is_nan() || !self.workshop.goal_holds() {
             return;
         }
         let mut operators: Vec<ScheduledOperator> = self
@@ -339,6 +322,16 @@ impl<'t> Optimiser<'t> {
         }
     }
 
+    /// What a list is worth; what the best schedule costs if it has to be mended first.
+    fn value_of(&mut self, elements: &[Element]) -> f64 {
+        let operators = elements.iter().map(|element| element.operator);
+        if self.workshop.replay(operators) && self.workshop.goal_holds() {
+            return self.workshop.value();
+        }
+        let best = self.best.as_ref();
+        best.map_or(f64::INFINITY, |best| best.cost)
+    }
+
     /// One cycle of simulated annealing.
     fn anneal(
         &mut self,
@@ -349,19 +342,15 @@ impl<'t> Optimiser<'t> {
     ) {
         let stop = || limits.reached();
         let mut current = self.best_list.clone();
-        self.workshop
-            .replay(current.iter().map(|element| element.operator));
+        let mut value = self.value_of(&current);
         if cycle % 3 == 2 {
             // From somewhere else.
             self.nodes += 1;
-            if self.workshop.construct(false, f64::INFINITY, &stop) {
+            if self.workshop.construct(Manner::Any, f64::INFINITY, &stop) {
                 current = self.workshop.prune(&mut self.links);
-            } else {
-                self.workshop
-                    .replay(current.iter().map(|element| element.operator));
+                value = self.workshop.value();
             }
         }
-        let mut value = self.workshop.value();
         let scale = value.abs().max(1e-3);
         for iteration in 0..length {
             if self.proved() || stop() {

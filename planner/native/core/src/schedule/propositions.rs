@@ -1,8 +1,8 @@
 //! The delete relaxation of a task: literals and numeric conditions as propositions, operators as
 //! rules from propositions to propositions.
 
-use crate::pddl::model::{Assignment, Comparison};
-use crate::schedule::model::{Comparing, Model, NONE, NumericWrite, When};
+use crate::schedule::changes::helped;
+use crate::schedule::model::{Comparing, Model, NONE, When};
 use crate::schedule::numbering::{Numbering, uses_duration};
 use crate::schedule::rows::Rows;
 use crate::schedule::state::State;
@@ -10,6 +10,7 @@ use crate::schedule::state::State;
 /// A rule of the relaxation: an operator, or one conditional effect of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
+    /// [`NONE`] if it only says what follows from a change of a fluent.
     pub operator: u32,
     pub duration: f32,
     /// What running it costs besides time.
@@ -34,6 +35,10 @@ pub enum Meaning {
     Literal(u32, bool),
     /// A comparison of fluents.
     Numeric(u32),
+    /// A fact with windows, for at least this long [s].
+    Lasting(u32, f64),
+    /// That a fluent has been changed in one way.
+    Change,
 }
 
 /// The delete relaxation.
@@ -56,6 +61,8 @@ pub struct Propositions {
     /// Rules that add a proposition.
     pub adding: Rows,
     negation_of: Vec<u32>,
+    /// Propositions that a fact with windows holds for a while.
+    pub lasting: Vec<u32>,
     /// Rules that need nothing.
     pub free: Vec<u32>,
     /// Propositions of the goal.
@@ -80,8 +87,14 @@ impl Propositions {
             let from = needs.len();
             for read in model.reads(operator) {
                 if !read.own {
+                    let duration = model.shapes[operator as usize].duration;
                     needs.push(Term {
-                        proposition: numbering.literal(read.fact, read.value),
+                        proposition: match read.when {
+                            When::Throughout if read.value => {
+                                numbering.lasting(model, read.fact, duration)
+                            }
+                            _ => numbering.literal(read.fact, read.value),
+                        },
                         at_end: read.when == When::End,
                         throughout: read.when == When::Throughout,
                     });
@@ -168,10 +181,27 @@ impl Propositions {
                         throughout: false,
                     });
                 }
+                if write.value {
+                    let passing = model
+                        .writes(operator)
+                        .iter()
+                        .any(|other| other.fact == write.fact && other.after_own && !other.value);
+                    let length = if passing {
+                        shape.duration
+                    } else {
+                        f64::INFINITY
+                    };
+                    let lasting = numbering.lasting_up_to(write.fact, length);
+                    adds.extend(lasting.map(|proposition| Term {
+                        proposition,
+                        at_end: write.at_end,
+                        throughout: false,
+                    }));
+                }
             }
             if let Some(detail) = detail {
                 for write in &detail.numeric {
-                    helped(&numbering, initial, write, &mut adds);
+                    helped(&mut numbering, initial, write, &mut adds);
                 }
             }
             rule_of[operator as usize] = rules.len() as u32;
@@ -187,6 +217,12 @@ impl Propositions {
                 needs.extend(own);
                 let from = adds.len() as u32;
                 if let Some((fact, value)) = effect.fact {
+                    let lasting = numbering.lasting_up_to(fact, f64::INFINITY);
+                    adds.extend(lasting.filter(|_| value).map(|proposition| Term {
+                        proposition,
+                        at_end: effect.at_end,
+                        throughout: false,
+                    }));
                     let proposition = if value {
                         fact
                     } else {
@@ -201,7 +237,7 @@ impl Propositions {
                     }
                 }
                 if let Some(write) = &effect.fluent {
-                    helped(&numbering, initial, write, &mut adds);
+                    helped(&mut numbering, initial, write, &mut adds);
                 }
                 rules.push(Rule {
                     operator,
@@ -211,6 +247,23 @@ impl Propositions {
                     adds: (from, adds.len() as u32),
                 });
             }
+        }
+        for (change, comparisons) in &numbering.consequences {
+            let (need, add) = (needs.len() as u32, adds.len() as u32);
+            let term = |proposition: &u32| Term {
+                proposition: *proposition,
+                at_end: false,
+                throughout: true,
+            };
+            needs.push(term(change));
+            adds.extend(comparisons.iter().map(term));
+            rules.push(Rule {
+                operator: NONE,
+                duration: 0.0,
+                cost: 0.0,
+                needs: (need, need + 1),
+                adds: (add, adds.len() as u32),
+            });
         }
         let count = model.fact_count + numbering.extra.len();
         let rows = |terms: &[Term], pick: fn(&Rule) -> (u32, u32)| {
@@ -245,7 +298,11 @@ impl Propositions {
         });
         let free = free.collect();
         let adding = rows(&adds, |rule| rule.adds);
+        let is_lasting = |index: &usize| matches!(numbering.extra[*index], Meaning::Lasting(..));
+        let lasting = (0..numbering.extra.len()).filter(is_lasting);
+        let lasting = lasting.map(|index| (model.fact_count + index) as u32);
         Self {
+            lasting: lasting.collect(),
             fact_count: model.fact_count as u32,
             extra: numbering.extra,
             comparisons: numbering.comparisons,
@@ -293,7 +350,8 @@ impl Propositions {
         }
         match self.extra[(proposition - self.fact_count) as usize] {
             Meaning::Literal(fact, value) => Some((fact, value)),
-            Meaning::Numeric(_) => None,
+            Meaning::Lasting(fact, _) => Some((fact, true)),
+            Meaning::Numeric(_) | Meaning::Change => None,
         }
     }
 
@@ -304,8 +362,26 @@ impl Propositions {
         }
         match self.extra[(proposition - self.fact_count) as usize] {
             Meaning::Literal(fact, value) => state.holds(fact, value),
+            Meaning::Lasting(fact, _) => state.holds(fact, true),
+            Meaning::Change => false,
             Meaning::Numeric(index) => state.compares(&self.comparisons[index as usize], 0.0, &[]),
         }
+    }
+
+    /// Whether a fact that does not hold any more was true for as long as a proposition asks.
+    pub fn held_once(&self, model: &Model, state: &State, lasting: u32) -> bool {
+        let index = (lasting - self.fact_count) as usize;
+        let Meaning::Lasting(fact, length) = self.extra[index] else {
+            return false;
+        };
+        if state.holds(fact, true) {
+            return false;
+        }
+        let window = model.window_of[fact as usize];
+        let known = model.window_lengths[window as usize].iter().copied();
+        let longest = state.longest_window(model, fact);
+        // Differences of times are not exact.
+        longest >= length - 1e-6 || longest > known.fold(0.0, f64::max)
     }
 
     /// When a proposition that holds became so [s].
@@ -315,62 +391,13 @@ impl Propositions {
         }
         match self.extra[(proposition - self.fact_count) as usize] {
             Meaning::Literal(fact, value) => state.available(model, fact, value),
+            Meaning::Lasting(fact, _) => state.available(model, fact, true),
+            Meaning::Change => f64::INFINITY,
             Meaning::Numeric(index) => self.comparisons[index as usize]
                 .reads
                 .iter()
                 .map(|fluent| state.fluents[*fluent as usize].changed)
                 .fold(0.0, f64::max),
         }
-    }
-}
-
-/// Adds the numeric conditions that a change may help to make true.
-fn helped(numbering: &Numbering, initial: &State, write: &NumericWrite, adds: &mut Vec<Term>) {
-    let Some(conditions) = numbering.by_fluent.get(&write.fluent.0) else {
-        return;
-    };
-    let amount = initial.evaluate(&write.value, 1.0, &[]);
-    for proposition in conditions {
-        let Meaning::Numeric(index) =
-            numbering.extra[*proposition as usize - numbering.negation_of.len()]
-        else {
-            continue;
-        };
-        if helps(
-            initial,
-            write,
-            amount,
-            &numbering.comparisons[index as usize],
-        ) {
-            adds.push(Term {
-                proposition: *proposition,
-                at_end: write.at_end,
-                throughout: false,
-            });
-        }
-    }
-}
-
-fn helps(initial: &State, write: &NumericWrite, amount: f64, comparing: &Comparing) -> bool {
-    let change = match write.assignment {
-        Assignment::Increase => amount,
-        Assignment::Decrease => -amount,
-        _ => return true,
-    };
-    let condition = &comparing.condition;
-    let old = initial.fluents[write.fluent.index()].value;
-    let difference = |value: f64| {
-        let overlay = [(write.fluent.0, value)];
-        initial.evaluate(&condition.left, 0.0, &overlay)
-            - initial.evaluate(&condition.right, 0.0, &overlay)
-    };
-    let growth = difference(old + change) - difference(old);
-    if growth.is_nan() {
-        return true;
-    }
-    match condition.comparison {
-        Comparison::Less | Comparison::LessEqual => growth < 0.0,
-        Comparison::Greater | Comparison::GreaterEqual => growth > 0.0,
-        Comparison::Equal => growth != 0.0,
     }
 }

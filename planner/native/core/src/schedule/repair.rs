@@ -28,14 +28,14 @@ impl Workshop {
         bound: f64,
         stop: &dyn Fn() -> bool,
     ) -> bool {
-        self.state.reset();
+        self.reset();
         let faithful = self.random.random_bool(0.8);
         let mend_transit = self.random.random_bool(0.5);
         for item in items {
             match item {
                 Item::Achieve(proposition, restriction) => {
                     if !self.holds(*proposition)
-                        && !self.achieve(*proposition, labelling, *restriction, bound)
+                        && !self.achieve(*proposition, labelling, *restriction, bound, stop)
                         && self.state.makespan >= bound
                     {
                         return false;
@@ -50,11 +50,10 @@ impl Workshop {
                     if served {
                         continue;
                     }
-                    if let Some(dispatch) = self.state.earliest(&self.model, element.operator) {
-                        if dispatch.end() >= bound {
+                    if let Some(end) = self.append(element.operator) {
+                        if end >= bound {
                             return false;
                         }
-                        self.state.apply(&self.model, dispatch);
                         continue;
                     }
                     if element.primary == NONE
@@ -64,16 +63,18 @@ impl Workshop {
                         continue;
                     }
                     match self.substitute(element.primary, element.operator, faithful) {
-                        Some(dispatch) if dispatch.end() < bound => {
-                            self.state.apply(&self.model, dispatch);
+                        Some(other) => {
+                            if self.append(other.operator).is_some_and(|end| end >= bound) {
+                                return false;
+                            }
                         }
-                        Some(_) => return false,
                         None if element.role == Role::Transit => {}
                         None => {
                             if stop() {
                                 return false;
                             }
-                            self.achieve(element.primary, labelling, Restriction::default(), bound);
+                            let free = Restriction::default();
+                            self.achieve(element.primary, labelling, free, bound, stop);
                         }
                     }
                 }
@@ -97,7 +98,7 @@ impl Workshop {
         let value = self.value() + 1e-9;
         let list = self.state.list.clone();
         let original: Vec<u32> = list.iter().map(|dispatch| dispatch.operator).collect();
-        let mut by_start = list;
+        let mut by_start = list.clone();
         by_start.sort_by(|left, right| left.start.total_cmp(&right.start));
         let by_start: Vec<u32> = by_start.iter().map(|dispatch| dispatch.operator).collect();
         for base in [&by_start, &original] {
@@ -121,7 +122,12 @@ impl Workshop {
                 }
             }
         }
-        self.replay(original.iter().copied());
+        // An envelope may have been there for something else when it started: take the times as they were.
+        self.reset();
+        for dispatch in list {
+            self.state.apply(&self.model, dispatch);
+        }
+        self.tighten_envelopes();
         links.elements(&self.model, &self.propositions, &original, true)
     }
 }

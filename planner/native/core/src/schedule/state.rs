@@ -47,6 +47,8 @@ pub struct Dispatch {
     pub operator: u32,
     pub start: f64,
     pub duration: f64,
+    /// When it could have started, if it waits for what happens while it runs [s].
+    pub earliest: f64,
 }
 
 impl Dispatch {

@@ -10,12 +10,13 @@ impl State {
         operator: u32,
         mut start: f64,
         duration: f64,
+        without: &[u32],
     ) -> Option<f64> {
         loop {
             let before = start;
             for read in model.reads(operator) {
                 let window = model.window_of[read.fact as usize];
-                if read.own || window == NONE {
+                if read.own || window == NONE || without.contains(&read.fact) {
                     continue;
                 }
                 start = self.fit(read.fact, window, read.value, read.when, start, duration)?;
@@ -39,6 +40,17 @@ impl State {
                 return Some(start);
             }
         }
+    }
+
+    /// The longest past interval in which a fact with windows held [s].
+    pub fn longest_window(&self, model: &Model, fact: u32) -> f64 {
+        let window = model.window_of[fact as usize];
+        if window == NONE {
+            return 0.0;
+        }
+        let held = self.windows[window as usize].iter().filter(|past| past.2);
+        held.map(|(from, until, _)| until - from)
+            .fold(0.0, f64::max)
     }
 
     fn fit(

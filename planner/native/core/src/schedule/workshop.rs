@@ -16,6 +16,9 @@ use crate::task::Task;
 /// How often a relaxed plan may be computed anew to achieve one proposition.
 const ATTEMPTS: u32 = 24;
 
+/// How greedily labels are looked at.
+const GREED: [f32; 4] = [1.0, 1.0, 1.5, 3.0];
+
 /// Tables, schedule under construction and memory.
 #[derive(Clone, Debug)]
 pub struct Workshop {
@@ -26,6 +29,8 @@ pub struct Workshop {
     pub exploration: Exploration,
     pub random: ChaCha8Rng,
     plans: Vec<Vec<(u32, u32)>>,
+    /// Envelopes that start when something has to happen inside.
+    pub(super) waiting: Vec<u32>,
     /// Longest list that is tried.
     pub longest: usize,
     /// How often each goal could not be achieved where it stood.
@@ -51,6 +56,7 @@ impl Workshop {
             exploration,
             random: ChaCha8Rng::seed_from_u64(seed),
             plans: Vec::new(),
+            waiting: Vec::new(),
             urgency: vec![0.0; propositions.goal.len()],
             reach: goal_bounds(&model, &propositions, &state),
             achieved: 0,
@@ -73,6 +79,7 @@ impl Workshop {
             salt: self.random.random(),
             protect: self.random.random_bool(0.7),
             windows: true,
+            greed: GREED[self.random.random_range(0..GREED.len())],
         }
     }
 
@@ -83,13 +90,13 @@ impl Workshop {
 
     /// Whether a proposition holds or an operator may still read that it did.
     fn readable(&self, proposition: u32) -> bool {
-        self.holds(proposition)
-            || (proposition < self.propositions.fact_count
-                && self.model.window_of[proposition as usize] != NONE
-                && self
-                    .state
-                    .available(&self.model, proposition, true)
-                    .is_finite())
+        let literal = self.propositions.literal(proposition);
+        let past = |(fact, value): (u32, bool)| {
+            value
+                && self.model.window_of[fact as usize] != NONE
+                && self.state.available(&self.model, fact, true).is_finite()
+        };
+        self.holds(proposition) || literal.is_some_and(past)
     }
 
     /// Whether all goals hold.
@@ -109,6 +116,9 @@ impl Workshop {
         let mut best: Option<(usize, Dispatch)> = None;
         for rule in self.propositions.adding.row(proposition) {
             let rule = &self.propositions.rules[*rule as usize];
+            if rule.operator == NONE {
+                continue;
+            }
             let applicable = self
                 .propositions
                 .needs(rule)
@@ -165,9 +175,10 @@ impl Workshop {
         labelling: Labelling,
         restriction: Restriction,
         bound: f64,
+        stop: &dyn Fn() -> bool,
     ) -> bool {
         let mut plan = self.plans.pop().unwrap_or_default();
-        let reached = self.execute(target, labelling, restriction, bound, &mut plan);
+        let reached = self.execute(target, labelling, restriction, bound, stop, &mut plan);
         self.plans.push(plan);
         reached
     }
@@ -178,11 +189,15 @@ impl Workshop {
         mut labelling: Labelling,
         mut restriction: Restriction,
         bound: f64,
+        stop: &dyn Fn() -> bool,
         plan: &mut Vec<(u32, u32)>,
     ) -> bool {
         self.achieved += 1;
-        for _ in 0..ATTEMPTS {
-            if self.holds(target) {
+        for attempt in 0..ATTEMPTS {
+            if attempt > 0 && stop() {
+                return false;
+            }
+            if self.holds(target) || self.awaited(target) {
                 return true;
             }
             if self.state.list.len() > self.longest {
@@ -216,15 +231,14 @@ impl Workshop {
                 if self.holds(proposition) {
                     continue;
                 }
-                let dispatch = self
-                    .state
-                    .earliest(&self.model, operator)
-                    .or_else(|| self.substitute(proposition, operator, true));
-                let Some(dispatch) = dispatch else { break };
-                if dispatch.end() >= bound {
+                let end = self.append(operator).or_else(|| {
+                    let other = self.substitute(proposition, operator, true)?;
+                    self.append(other.operator)
+                });
+                let Some(end) = end else { break };
+                if end >= bound {
                     return false;
                 }
-                self.state.apply(&self.model, dispatch);
             }
             if self.state.list.len() == before && labelling.windows {
                 labelling.windows = false;
@@ -240,16 +254,19 @@ impl Workshop {
         false
     }
 
-    /// Starts over with these operators, each at its earliest start; false if one does not apply.
-    pub fn replay(&mut self, operators: impl Iterator<Item = u32>) -> bool {
+    /// Starts over with nothing.
+    pub fn reset(&mut self) {
         self.state.reset();
-        for operator in operators {
-            match self.state.earliest(&self.model, operator) {
-                Some(dispatch) => self.state.apply(&self.model, dispatch),
-                None => return false,
-            }
-        }
-        true
+        self.waiting.clear();
+    }
+
+    /// Starts over with these operators, each at its earliest start, envelopes around what happens in
+    /// them; false if one does not apply.
+    pub fn replay(&mut self, mut operators: impl Iterator<Item = u32>) -> bool {
+        self.reset();
+        let applies = operators.all(|operator| self.append(operator).is_some());
+        self.tighten_envelopes();
+        applies
     }
 
     /// What the schedule under construction is worth; smaller is better.

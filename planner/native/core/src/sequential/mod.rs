@@ -3,6 +3,7 @@
 //! ```text
 //! compression   every operator becomes one instantaneous step (start, over all and end together)
 //! epoch::search best-first search on the compressed task, whose states have no clock
+//! width         the same by novelty (novelty.rs) in place of a heuristic
 //! symmetry      states that differ only by interchangeable objects count once
 //! timing        the steps found, run one after the other in the real task
 //! ```
@@ -12,5 +13,7 @@
 //! 2009, and Vidal, "YAHSP3", IPC 2014, both reschedule sequential plans.
 
 pub mod compression;
+pub mod novelty;
 pub mod symmetry;
 pub mod timing;
+pub mod width;

@@ -189,8 +189,7 @@ impl<'a> ContextEnhancedAdditive<'a> {
         let target = problem.nodes + transition.target;
         let mut own = graphs.costs[transition.action as usize];
         if transition.support != NOT_NUMERIC {
-            let action = &self.relaxed.actions[transition.action as usize];
-            let support = &action.numeric[transition.support as usize];
+            let support = &self.relaxed.supports[transition.support as usize];
             match repetitions(self.relaxed, support, state) {
                 Some(times) => own = own.saturating_mul(times),
                 None => return,

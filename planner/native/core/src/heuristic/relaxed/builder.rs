@@ -22,7 +22,13 @@ pub(super) struct Builder<'a> {
     lasting_of: FxHashMap<FactId, Vec<(f64, Proposition)>>,
     lasting: Vec<(FactId, Proposition)>,
     comparisons: Vec<RelaxedComparison>,
+    /// Comparisons by how they are written.
+    comparison_of: FxHashMap<String, usize>,
     first_comparison: Proposition,
+    supports: Vec<NumericSupport>,
+    changes: Vec<(u32, u32)>,
+    /// Changes by how they are written.
+    change_of: FxHashMap<String, u32>,
     actions: Vec<RelaxedAction>,
     preconditions: Vec<Vec<Proposition>>,
     late: Vec<Vec<Proposition>>,
@@ -38,7 +44,11 @@ impl<'a> Builder<'a> {
             lasting_of: FxHashMap::default(),
             lasting: Vec::new(),
             comparisons: Vec::new(),
+            comparison_of: FxHashMap::default(),
             first_comparison: 0,
+            supports: Vec::new(),
+            changes: Vec::new(),
+            change_of: FxHashMap::default(),
             actions: Vec::new(),
             preconditions: Vec::new(),
             late: Vec::new(),
@@ -90,19 +100,17 @@ impl<'a> Builder<'a> {
     }
 
     fn comparison(&mut self, condition: &NumericCondition) -> Proposition {
-        let known = self
-            .comparisons
-            .iter()
-            .position(|other| other.condition == *condition);
-        let index = known.unwrap_or_else(|| {
+        let comparisons = &mut self.comparisons;
+        let written = self.comparison_of.entry(format!("{condition:?}"));
+        let index = *written.or_insert_with(|| {
             let mut form = Vec::new();
             let linear = linear(&condition.left, 1.0, &mut form)
                 && linear(&condition.right, -1.0, &mut form);
-            self.comparisons.push(RelaxedComparison {
+            comparisons.push(RelaxedComparison {
                 condition: condition.clone(),
                 linear: linear.then_some(form),
             });
-            self.comparisons.len() - 1
+            comparisons.len() - 1
         });
         self.first_comparison + index as Proposition
     }
@@ -123,11 +131,11 @@ impl<'a> Builder<'a> {
 
     /// What a change makes true; a fact that it adds lasts for `window`.
     fn effect(
-        &self,
+        &mut self,
         change: &Change,
         window: f64,
         adds: &mut Vec<Proposition>,
-        numeric: &mut Vec<NumericSupport>,
+        numeric: &mut Vec<u32>,
     ) {
         match change {
             Change::Add(fact) => {
@@ -139,22 +147,28 @@ impl<'a> Builder<'a> {
             }
             Change::Delete(fact) => adds.extend(self.negation_of.get(fact)),
             Change::Assign(assignment, fluent, value) => {
-                self.supports(*fluent, Some((*assignment, value)), numeric);
+                numeric.extend(self.supports(*fluent, Some((*assignment, value))));
             }
             Change::Call(call) => {
                 for fluent in &self.task.calls[call.index()].writes {
-                    self.supports(*fluent, None, numeric);
+                    numeric.extend(self.supports(*fluent, None));
                 }
             }
         }
     }
 
+    /// The change of a fluent with all comparisons that it may make true; `None` if there are none.
     fn supports(
-        &self,
+        &mut self,
         fluent: FluentId,
         change: Option<(Assignment, &GroundExpression)>,
-        numeric: &mut Vec<NumericSupport>,
-    ) {
+    ) -> Option<u32> {
+        let written = format!("{fluent:?} {change:?}");
+        if let Some(&known) = self.change_of.get(&written) {
+            let (from, to) = self.changes[known as usize];
+            return (from < to).then_some(known);
+        }
+        let from = self.supports.len() as u32;
         for (index, comparison) in self.comparisons.iter().enumerate() {
             let coefficient = match &comparison.linear {
                 Some(form) => form
@@ -166,7 +180,7 @@ impl<'a> Builder<'a> {
                 None => 0.0,
             };
             if coefficient != 0.0 {
-                numeric.push(NumericSupport {
+                self.supports.push(NumericSupport {
                     comparison: index as u32,
                     assignment: change.map(|(assignment, _)| assignment),
                     value: change.map(|(_, value)| value.clone()),
@@ -174,6 +188,10 @@ impl<'a> Builder<'a> {
                 });
             }
         }
+        let (index, to) = (self.changes.len() as u32, self.supports.len() as u32);
+        self.changes.push((from, to));
+        self.change_of.insert(written, index);
+        (from < to).then_some(index)
     }
 
     pub(super) fn build(mut self) -> RelaxedTask {
@@ -188,8 +206,12 @@ impl<'a> Builder<'a> {
                         self.effect(&effect.change, f64::INFINITY, &mut adds, &mut numeric);
                     }
                 }
-                let first = self.first_comparison;
-                adds.extend(numeric.iter().map(|support| first + support.comparison));
+                for change in numeric {
+                    let (from, to) = self.changes[change as usize];
+                    let supports = &self.supports[from as usize..to as usize];
+                    let first = self.first_comparison;
+                    adds.extend(supports.iter().map(|support| first + support.comparison));
+                }
                 adds
             };
             let delay = least_duration(operator);
@@ -294,7 +316,7 @@ impl<'a> Builder<'a> {
         early: Vec<Proposition>,
         mut late: Vec<Proposition>,
         mut adds: Vec<Proposition>,
-        numeric: Vec<NumericSupport>,
+        changes: Vec<u32>,
     ) {
         late.retain(|proposition| !early.contains(proposition));
         let mut conditions = early;
@@ -302,14 +324,14 @@ impl<'a> Builder<'a> {
         conditions.sort_unstable();
         conditions.dedup();
         adds.retain(|add| conditions.binary_search(add).is_err());
-        if adds.is_empty() && numeric.is_empty() {
+        if adds.is_empty() && changes.is_empty() {
             return;
         }
         self.actions.push(RelaxedAction {
             operator,
             delay,
             preconditions: conditions.len() as u32,
-            numeric,
+            changes,
         });
         self.adds.push(adds);
         self.preconditions.push(conditions);
@@ -342,7 +364,7 @@ impl<'a> Builder<'a> {
         let reader = |action: u32| {
             let relaxed = &self.actions[action as usize];
             let only_add = match self.adds[action as usize].as_slice() {
-                [add] if relaxed.numeric.is_empty() && !relaxed.is_axiom() => *add,
+                [add] if relaxed.changes.is_empty() && !relaxed.is_axiom() => *add,
                 _ => MANY,
             };
             Reader { action, only_add }
@@ -361,6 +383,8 @@ impl<'a> Builder<'a> {
             lasting: self.lasting,
             comparisons: self.comparisons,
             first_comparison: self.first_comparison,
+            supports: self.supports,
+            changes: self.changes,
             propositions: propositions as u32,
             actions: self.actions,
             preconditions: flat,

@@ -42,8 +42,8 @@ pub struct RelaxedAction {
     pub delay: f64,
     /// Number of preconditions.
     pub preconditions: u32,
-    /// Comparisons it may make true.
-    pub numeric: Vec<NumericSupport>,
+    /// How it changes fluents that comparisons read: indices into [`RelaxedTask::changes`].
+    pub changes: Vec<u32>,
 }
 
 impl RelaxedAction {
@@ -90,6 +90,11 @@ pub struct RelaxedTask {
     pub comparisons: Vec<RelaxedComparison>,
     /// First comparison's proposition.
     pub first_comparison: Proposition,
+    /// Changes of fluents with the comparisons that they may make true, one change after the other.
+    pub supports: Vec<NumericSupport>,
+    /// Where the supports of each change begin and end. Actions that change a fluent alike share
+    /// one, because a fluent may be read by thousands of comparisons.
+    pub changes: Vec<(u32, u32)>,
     /// Number of propositions.
     pub propositions: u32,
     /// All actions.
@@ -143,9 +148,19 @@ impl RelaxedTask {
 
     /// What an action makes or may make true, comparisons included.
     pub fn targets_of(&self, action: u32) -> impl Iterator<Item = Proposition> + '_ {
-        let numeric = self.actions[action as usize].numeric.iter();
-        let comparisons = numeric.map(|support| self.first_comparison + support.comparison);
+        let numeric = self.supports_of(action);
+        let comparisons = numeric.map(|(_, support)| self.first_comparison + support.comparison);
         self.adds_of(action).iter().copied().chain(comparisons)
+    }
+
+    /// The comparisons that an action may make true, with their positions in [`Self::supports`].
+    pub fn supports_of(&self, action: u32) -> impl Iterator<Item = (u32, &NumericSupport)> + '_ {
+        let changes = self.actions[action as usize].changes.iter();
+        let positions = changes.flat_map(|change| {
+            let (from, to) = self.changes[*change as usize];
+            from..to
+        });
+        positions.map(|position| (position, &self.supports[position as usize]))
     }
 
     /// The propositions for a fact's lasting.
