@@ -368,22 +368,6 @@ impl Propositions {
         }
     }
 
-    /// Whether a fact that does not hold any more was true for as long as a proposition asks.
-    pub fn held_once(&self, model: &Model, state: &State, lasting: u32) -> bool {
-        let index = (lasting - self.fact_count) as usize;
-        let Meaning::Lasting(fact, length) = self.extra[index] else {
-            return false;
-        };
-        if state.holds(fact, true) {
-            return false;
-        }
-        let window = model.window_of[fact as usize];
-        let known = model.window_lengths[window as usize].iter().copied();
-        let longest = state.longest_window(model, fact);
-        // Differences of times are not exact.
-        longest >= length - 1e-6 || longest > known.fold(0.0, f64::max)
-    }
-
     /// When a proposition that holds became so [s].
     pub fn time(&self, model: &Model, state: &State, proposition: u32) -> f64 {
         if proposition < self.fact_count {

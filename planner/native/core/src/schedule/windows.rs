@@ -1,6 +1,7 @@
 //! Reading a fact in an interval of the past in which it had the value.
 
 use crate::schedule::model::{EPSILON, Model, NONE, When};
+use crate::schedule::propositions::{Meaning, Propositions};
 use crate::schedule::state::State;
 
 impl State {
@@ -79,5 +80,23 @@ impl State {
                 (time <= to).then_some(time)
             })
             .reduce(f64::min)
+    }
+}
+
+impl Propositions {
+    /// Whether a fact that does not hold any more was true for as long as a proposition asks.
+    pub fn held_once(&self, model: &Model, state: &State, lasting: u32) -> bool {
+        let index = (lasting - self.fact_count) as usize;
+        let Meaning::Lasting(fact, length) = self.extra[index] else {
+            return false;
+        };
+        if state.holds(fact, true) {
+            return false;
+        }
+        let window = model.window_of[fact as usize];
+        let known = model.window_lengths[window as usize].iter().copied();
+        let longest = state.longest_window(model, fact);
+        // Differences of times are not exact.
+        longest >= length - 1e-6 || longest > known.fold(0.0, f64::max)
     }
 }

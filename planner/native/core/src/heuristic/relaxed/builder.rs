@@ -2,13 +2,12 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::pddl::model::Assignment;
 use crate::task::{
-    Change, Conjunction, Duration, FactId, FluentId, GroundEffect, GroundExpression,
-    NumericCondition, Operator, OperatorId, Task,
+    Change, Conjunction, Duration, FactId, GroundEffect, GroundExpression, NumericCondition,
+    Operator, OperatorId, Task,
 };
 
-use super::linear::{linear, mentions};
+use super::linear::linear;
 use super::windows::{deletes_at_end, windows};
 use super::{
     MANY, NumericSupport, Proposition, Reader, RelaxedAction, RelaxedComparison, RelaxedTask,
@@ -21,14 +20,14 @@ pub(super) struct Builder<'a> {
     /// By window length, shortest first.
     lasting_of: FxHashMap<FactId, Vec<(f64, Proposition)>>,
     lasting: Vec<(FactId, Proposition)>,
-    comparisons: Vec<RelaxedComparison>,
+    pub(super) comparisons: Vec<RelaxedComparison>,
     /// Comparisons by how they are written.
     comparison_of: FxHashMap<String, usize>,
     first_comparison: Proposition,
-    supports: Vec<NumericSupport>,
-    changes: Vec<(u32, u32)>,
+    pub(super) supports: Vec<NumericSupport>,
+    pub(super) changes: Vec<(u32, u32)>,
     /// Changes by how they are written.
-    change_of: FxHashMap<String, u32>,
+    pub(super) change_of: FxHashMap<String, u32>,
     actions: Vec<RelaxedAction>,
     preconditions: Vec<Vec<Proposition>>,
     late: Vec<Vec<Proposition>>,
@@ -155,43 +154,6 @@ impl<'a> Builder<'a> {
                 }
             }
         }
-    }
-
-    /// The change of a fluent with all comparisons that it may make true; `None` if there are none.
-    fn supports(
-        &mut self,
-        fluent: FluentId,
-        change: Option<(Assignment, &GroundExpression)>,
-    ) -> Option<u32> {
-        let written = format!("{fluent:?} {change:?}");
-        if let Some(&known) = self.change_of.get(&written) {
-            let (from, to) = self.changes[known as usize];
-            return (from < to).then_some(known);
-        }
-        let from = self.supports.len() as u32;
-        for (index, comparison) in self.comparisons.iter().enumerate() {
-            let coefficient = match &comparison.linear {
-                Some(form) => form
-                    .iter()
-                    .filter(|(f, _)| *f == fluent)
-                    .map(|(_, c)| c)
-                    .sum(),
-                None if mentions(&comparison.condition, fluent) => f64::NAN,
-                None => 0.0,
-            };
-            if coefficient != 0.0 {
-                self.supports.push(NumericSupport {
-                    comparison: index as u32,
-                    assignment: change.map(|(assignment, _)| assignment),
-                    value: change.map(|(_, value)| value.clone()),
-                    coefficient,
-                });
-            }
-        }
-        let (index, to) = (self.changes.len() as u32, self.supports.len() as u32);
-        self.changes.push((from, to));
-        self.change_of.insert(written, index);
-        (from < to).then_some(index)
     }
 
     pub(super) fn build(mut self) -> RelaxedTask {

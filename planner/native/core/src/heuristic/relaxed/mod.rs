@@ -9,6 +9,7 @@
 //! use to an action that takes longer.
 
 mod builder;
+mod changes;
 mod linear;
 mod windows;
 
