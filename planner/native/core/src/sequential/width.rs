@@ -178,6 +178,8 @@ impl<'a> WidthSearch<'a> {
         self.registry.memory()
             + self.novelty.memory()
             + self.progress.capacity() * size_of::<Progress>()
+            + self.aims.len() * (AIMS * size_of::<FactId>() + 24)
+            + self.progress.len() * size_of::<NodeId>()
             + fingerprints.map_or(0, |(_, met)| 9 * met.capacity())
     }
 
