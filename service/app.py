@@ -26,6 +26,7 @@ from service.observation import Observation
 from service.resources.library import Library
 from service.routes import (
     domains,
+    editor_checks,
     editors,
     maps,
     mission_changes,
@@ -157,7 +158,7 @@ def create_app(
     app.state.gate = Gate(settings.api_keys)
     app.add_middleware(Observation, metrics=metrics)
     problem_details.install(app)
-    nouns = (missions, mission_changes, plans, domains, maps, editors)
+    nouns = (missions, mission_changes, plans, domains, maps, editors, editor_checks)
     json_body.install_openapi(app, [body for noun in nouns for body in noun.BODIES])
     for noun in (
         operations,
@@ -170,6 +171,7 @@ def create_app(
         domains,
         maps,
         editors,
+        editor_checks,
     ):
         app.include_router(noun.ROUTER)
     return app
