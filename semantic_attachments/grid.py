@@ -104,26 +104,19 @@ def _undock_cost(world: World, _: Memory) -> Evaluator:
     return Single(lambda rover, _carrier: _robot(world, rover).undock_duration_s)
 
 
+_WAY = (Parameter("robot", "robot"), Parameter("from", "location"), Parameter("to", "location"))
 _ROVER_AND_CARRIER = (Parameter("rover", "robot"), Parameter("carrier", "robot"))
 
 ATTACHMENTS = (
     Attachment(
         name="pathCost",
-        parameters=(
-            Parameter("robot", "robot"),
-            Parameter("from", "location"),
-            Parameter("to", "location"),
-        ),
+        parameters=_WAY,
         bind=path_costs,
         thread_safe=True,
     ),
     Attachment(
         name="exploreCost",
-        parameters=(
-            Parameter("robot", "robot"),
-            Parameter("from", "location"),
-            Parameter("to", "location"),
-        ),
+        parameters=_WAY,
         bind=_explore_cost,
         thread_safe=True,
     ),
