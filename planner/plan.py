@@ -10,6 +10,8 @@ from planner.diagnostics import PddlError, without_panics
 
 StepTuple: TypeAlias = tuple[float, str, list[str], float | None]
 """A step at the border: start [s], action, arguments, duration [s]."""
+DUST_S = 1e-10
+"""Least distance from a whole nanosecond that is no error of floating point [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +102,10 @@ class Plan(Sequence[Step]):
 
     @property
     def makespan(self) -> float:
-        """The end of the last step [s]."""
-        return max((step.end for step in self.steps), default=0.0)
+        """The end of the last step [s], without what adding start and duration leaves behind."""
+        end_s = max((step.end for step in self.steps), default=0.0)
+        nearest_s = round(end_s, 9)
+        return nearest_s if abs(nearest_s - end_s) < DUST_S else end_s
 
     def __len__(self) -> int:
         return len(self.steps)

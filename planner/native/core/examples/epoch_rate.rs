@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let name = arguments.get(4).map_or("temporal-ff", String::as_str);
     let choice = Choice::named(name).ok_or("no such heuristic")?;
-    let graphs = choice.graphs(&task, &relaxed);
+    let graphs = choice.graphs(&|| false, &task, &relaxed);
     let heuristics = choice.heuristics(&compiled, &relaxed, graphs.as_ref());
     let mut search = Search::new(transitions, &successors, heuristics, parameters);
     let begun = Instant::now();

@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let choice = Choice::named(name).ok_or("no such heuristic")?;
-    let graphs = choice.graphs(&task, &relaxed);
+    let graphs = choice.graphs(&|| false, &task, &relaxed);
     let heuristics = choice.heuristics(&compiled, &relaxed, graphs.as_ref());
     let mut search = Search::new(transitions, &successors, heuristics, parameters);
     let begun = Instant::now();

@@ -35,6 +35,9 @@ pub struct SolveOptions<'a> {
     /// Weight of the mean time at which goals are reached, beside the makespan; 0 for the makespan
     /// alone. What counts where a plan covers only the goals known so far.
     pub promptness: f64,
+    /// Told the report of a search that a limit or a request ended, before its tables are given
+    /// back: for large problems that alone takes tens of milliseconds. Not told of other ends.
+    pub stopped: Option<Stopped<'a>>,
     /// Where to tell what has been done so far.
     pub progress: Option<&'a Progress>,
     /// What guides the decision-epoch search; `None` leaves it to the portfolio.
@@ -43,6 +46,16 @@ pub struct SolveOptions<'a> {
     pub space: Space,
     /// Instantiations waiting at a time beyond which a problem is grounded in parts.
     pub whole_below: usize,
+}
+
+/// Who is told of a search that a limit or a request ended.
+#[derive(Clone, Copy)]
+pub struct Stopped<'a>(pub &'a (dyn Fn(&SolveReport) + Sync));
+
+impl std::fmt::Debug for Stopped<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str("Stopped")
+    }
 }
 
 /// Which spaces are searched.
@@ -82,6 +95,7 @@ impl Default for SolveOptions<'_> {
             first_plan_only: false,
             warm_start: None,
             promptness: 0.0,
+            stopped: None,
             progress: None,
             heuristic: None,
             space: Space::Portfolio,
@@ -142,6 +156,11 @@ pub enum SolveError {
 /// more when there is one. Afterwards everything is grounded.
 const WIDTHS: [u32; 4] = [2, 6, 12, 32];
 
+/// What an instantiation that waits to be looked at takes, with the attachment calls it brings, and
+/// what of the memory that may be.
+const CANDIDATE_BYTES: usize = 200;
+const CANDIDATE_SHARE: usize = 2;
+
 /// What an operator takes in the task at least, with what every search needs: measured.
 const LEAST_OPERATOR_BYTES: usize = 2_000;
 
@@ -167,7 +186,9 @@ pub fn solve(
         ..GroundingLimits::default()
     };
     let whole = GroundingLimits {
-        candidates: options.whole_below,
+        candidates: options
+            .whole_below
+            .min(options.memory_limit / CANDIDATE_SHARE / CANDIDATE_BYTES),
         ..limits
     };
     let mut grounded = ground(domain, problem, attachments, &whole);
@@ -234,26 +255,38 @@ fn widened(
         return solve_task(task, attachments, options, begun, improved);
     };
     let spent = narrow.expansions + narrow.schedules;
+    let told = |report: &SolveReport| {
+        if let Some(stopped) = options.stopped {
+            stopped.0(&joined(&narrow, &known, report.clone()));
+        }
+    };
     let options = SolveOptions {
         warm_start: Some(&known.plan),
         node_limit: options
             .node_limit
             .map(|limit| limit.saturating_sub(spent).max(1)),
+        stopped: Some(Stopped(&told)),
         ..*options
     };
-    let mut report = solve_task(task, attachments, &options, begun, &mut |plan| {
+    let report = solve_task(task, attachments, &options, begun, &mut |plan| {
         if *plan != known.plan {
             improved(plan);
         }
     })?;
+    Ok(joined(&narrow, &known, report))
+}
+
+/// What a narrower and a wider part gave together; `known` is the narrower one's best plan.
+fn joined(narrow: &SolveReport, known: &FoundPlan, wide: SolveReport) -> SolveReport {
+    let mut report = wide;
     report.plans.retain(|found| found.cost < known.cost - 1e-9);
-    report.plans.splice(0..0, narrow.plans);
+    report.plans.splice(0..0, narrow.plans.iter().cloned());
     report.expansions += narrow.expansions;
     report.evaluations += narrow.evaluations;
     report.schedules += narrow.schedules;
     report.grounding_s += narrow.grounding_s;
     report.outcome = Outcome::Solved;
-    Ok(report)
+    report
 }
 
 /// The report of a run that ended while it grounded, with what it had found before.
@@ -281,9 +314,26 @@ pub fn solve_task(
     let mut report = empty(Outcome::ProvenUnsolvable, begun);
     report.operators = task.operators.len();
     report.facts = task.facts.len();
+    let told = |report: &SolveReport| {
+        if let Some(stopped) = options.stopped {
+            let mut report = report.clone();
+            without_proof(task, &mut report);
+            stopped.0(&report);
+        }
+    };
+    let options = &SolveOptions {
+        stopped: Some(Stopped(&told)),
+        ..*options
+    };
     if !task.unsolvable {
         portfolio::run(task, attachments, options, begun, &mut report, improved)?;
     }
+    without_proof(task, &mut report);
+    Ok(report)
+}
+
+/// A part of a problem proves nothing about the whole.
+fn without_proof(task: &Task, report: &mut SolveReport) {
     if task.partial {
         report.lower_bound = 0.0;
         report.outcome = match report.outcome {
@@ -292,7 +342,6 @@ pub fn solve_task(
             other => other,
         };
     }
-    Ok(report)
 }
 
 fn empty(outcome: Outcome, begun: Instant) -> SolveReport {

@@ -24,7 +24,7 @@ use tasks::{ROBOTS, grounded, random_task};
 fn context_enhanced(task: &Task, state: &State, costs: Costs) -> Option<u32> {
     let compiled = Compiled::new(task);
     let relaxed = RelaxedTask::new(task);
-    let graphs = Graphs::new(task, &relaxed, costs);
+    let graphs = Graphs::unless(&|| false, task, &relaxed, costs).expect("not stopped");
     ContextEnhancedAdditive::new(&compiled, &relaxed, &graphs).cost(state)
 }
 

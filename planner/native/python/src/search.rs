@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use planner_core::heuristic::choice::Choice;
@@ -10,7 +10,7 @@ use planner_core::outcome::{Limit, Outcome};
 use planner_core::pddl::model;
 use planner_core::plan::Plan;
 use planner_core::progress::Progress;
-use planner_core::solve::{SolveError, SolveOptions, SolveReport, Space, solve};
+use planner_core::solve::{SolveError, SolveOptions, SolveReport, Space, Stopped, solve};
 use planner_core::validate::{Options, Reason, Validator, Verdict};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -160,10 +160,7 @@ impl Search {
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             let received = py.detach(|| {
-                let messages = self
-                    .messages
-                    .lock()
-                    .unwrap_or_else(std::sync::PoisonError::into_inner);
+                let messages = lock(&self.messages);
                 messages.recv_timeout(left.min(SIGNAL_INTERVAL))
             });
             if let Err(interrupt) = py.check_signals() {
@@ -223,6 +220,11 @@ impl Search {
     }
 }
 
+/// The value, also where its last user panicked.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The heuristic of a name.
 fn chosen(name: &str) -> PyResult<Choice> {
     Choice::named(name)
@@ -268,21 +270,38 @@ fn run(
         ..defaults
     };
     let validator = Validator::new(domain, problem, attachments);
-    let mut rejected = None;
+    let rejected = Mutex::new(None);
+    let told = AtomicBool::new(false);
+    let stopped = |report: &SolveReport| {
+        if lock(&rejected).is_none() {
+            told.store(true, Ordering::Relaxed);
+            let _ = sender.send(Message::End(Report::from(report)));
+            std::thread::yield_now();
+        }
+    };
+    let options = SolveOptions {
+        stopped: Some(Stopped(&stopped)),
+        ..options
+    };
     let outcome = solve(domain, problem, attachments, &options, &mut |plan| {
-        if rejected.is_some() {
+        if lock(&rejected).is_some() {
             return;
         }
         let verdict = validator.validate(plan, &Options::strict(SEPARATION_S));
         if verdict.valid() {
             let wall_s = begun.elapsed().as_secs_f64();
             let _ = sender.send(Message::Plan(to_tuples(plan), verdict.metric, wall_s));
+            // Whoever waits for it shall not have to wait for a time slice too.
+            std::thread::yield_now();
         } else {
             cancel.store(true, Ordering::Relaxed);
-            rejected = Some(rejection(plan, verdict));
+            *lock(&rejected) = Some(rejection(plan, verdict));
         }
     });
-    let _ = sender.send(match (rejected, outcome) {
+    if told.load(Ordering::Relaxed) {
+        return;
+    }
+    let _ = sender.send(match (lock(&rejected).take(), outcome) {
         (Some(message), _) => message,
         (None, Ok(report)) => Message::End(Report::from(&report)),
         (None, Err(SolveError::Attachment(error))) => Message::Attachment(failed_call(&error)),

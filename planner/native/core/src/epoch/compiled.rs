@@ -76,6 +76,13 @@ impl<'a> Compiled<'a> {
         Some(Self::with(task, operators))
     }
 
+    /// Prepares these operators only, numbered in the order given.
+    #[must_use]
+    pub fn only(task: &'a Task, operators: &[OperatorId]) -> Self {
+        let operators = operators.iter().map(|id| &task.operators[id.index()]);
+        Self::with(task, operators.map(|each| compile(task, each)).collect())
+    }
+
     fn with(task: &'a Task, operators: Vec<CompiledOperator>) -> Self {
         let mut derived: Vec<FactId> = task.axioms.iter().map(|axiom| axiom.head).collect();
         derived.sort_unstable();

@@ -137,7 +137,7 @@ fn effect_adds(
         EffectKind::And(parts) => parts.iter().all(|part| effect_adds(part, bindings, test)),
         EffectKind::Add(atom) => test(
             atom.predicate.index(),
-            World::bind(&atom.arguments, bindings),
+            World::bind(&atom.arguments, bindings).as_ref().into(),
         ),
         _ => true,
     }

@@ -31,45 +31,58 @@ pub(super) enum Formula {
 #[derive(Default)]
 pub(super) struct Symbols {
     pub(super) atoms: Vec<(PredicateId, Box<[ObjectId]>)>,
-    atom_of: FxHashMap<(PredicateId, Box<[ObjectId]>), AtomId>,
+    atom_of: Numbers,
     pub(super) fluents: Vec<(FunctionId, Box<[ObjectId]>)>,
-    fluent_of: FxHashMap<(FunctionId, Box<[ObjectId]>), FluentId>,
+    fluent_of: Numbers,
     pub(super) calls: Vec<(ModuleId, Box<[ObjectId]>)>,
-    call_of: FxHashMap<(ModuleId, Box<[ObjectId]>), CallId>,
+    call_of: Numbers,
 }
 
 impl Symbols {
-    pub(super) fn atom(&mut self, predicate: PredicateId, arguments: Box<[ObjectId]>) -> AtomId {
-        let key = (predicate, arguments);
-        if let Some(&id) = self.atom_of.get(&key) {
-            return id;
+    pub(super) fn atom(&mut self, predicate: PredicateId, arguments: &[ObjectId]) -> AtomId {
+        let next = self.atoms.len() as u32;
+        let id = self.atom_of.of(predicate.index(), arguments, next);
+        if id == next {
+            self.atoms.push((predicate, arguments.into()));
         }
-        let id = AtomId(self.atoms.len() as u32);
-        self.atoms.push(key.clone());
-        self.atom_of.insert(key, id);
-        id
+        AtomId(id)
     }
 
-    pub(super) fn fluent(&mut self, function: FunctionId, arguments: Box<[ObjectId]>) -> FluentId {
-        let key = (function, arguments);
-        if let Some(&id) = self.fluent_of.get(&key) {
-            return id;
+    pub(super) fn fluent(&mut self, function: FunctionId, arguments: &[ObjectId]) -> FluentId {
+        let next = self.fluents.len() as u32;
+        let id = self.fluent_of.of(function.index(), arguments, next);
+        if id == next {
+            self.fluents.push((function, arguments.into()));
         }
-        let id = FluentId(self.fluents.len() as u32);
-        self.fluents.push(key.clone());
-        self.fluent_of.insert(key, id);
-        id
+        FluentId(id)
     }
 
-    pub(super) fn call(&mut self, module: ModuleId, arguments: Box<[ObjectId]>) -> CallId {
-        let key = (module, arguments);
-        if let Some(&id) = self.call_of.get(&key) {
-            return id;
+    pub(super) fn call(&mut self, module: ModuleId, arguments: &[ObjectId]) -> CallId {
+        let next = self.calls.len() as u32;
+        let id = self.call_of.of(module.index(), arguments, next);
+        if id == next {
+            self.calls.push((module, arguments.into()));
         }
-        let id = CallId(self.calls.len() as u32);
-        self.calls.push(key.clone());
-        self.call_of.insert(key, id);
-        id
+        CallId(id)
+    }
+}
+
+/// Numbers of ground symbols, by what they are instances of and by their arguments.
+#[derive(Default)]
+struct Numbers(Vec<FxHashMap<Box<[ObjectId]>, u32>>);
+
+impl Numbers {
+    /// The number of a symbol; it gets `next` if it has none.
+    fn of(&mut self, head: usize, arguments: &[ObjectId], next: u32) -> u32 {
+        if self.0.len() <= head {
+            self.0.resize_with(head + 1, FxHashMap::default);
+        }
+        let known = &mut self.0[head];
+        if let Some(&number) = known.get(arguments) {
+            return number;
+        }
+        known.insert(arguments.into(), next);
+        next
     }
 }
 
@@ -80,6 +93,10 @@ pub(super) fn truth(value: bool) -> Formula {
 /// A simplified conjunction or disjunction.
 pub(super) fn gather(parts: Vec<Formula>, conjunction: bool) -> Formula {
     let (neutral, absorbing) = (truth(conjunction), truth(!conjunction));
+    let mut parts = parts;
+    if parts.len() < 2 {
+        return parts.pop().unwrap_or(neutral);
+    }
     let mut kept = Vec::with_capacity(parts.len());
     for part in parts {
         if part == absorbing {

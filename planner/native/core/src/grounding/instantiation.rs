@@ -52,7 +52,7 @@ impl Instantiation<'_, '_> {
             ConditionKind::Atom(atom) => {
                 let arguments = World::bind(&atom.arguments, bindings);
                 if self.world.changing_predicate[atom.predicate.index()] {
-                    Formula::Atom(self.symbols.atom(atom.predicate, arguments), positive)
+                    Formula::Atom(self.symbols.atom(atom.predicate, &arguments), positive)
                 } else {
                     truth(self.relations[atom.predicate.index()].contains(&arguments) == positive)
                 }
@@ -110,7 +110,7 @@ impl Instantiation<'_, '_> {
     fn checker(&mut self, call: &ModuleCall, positive: bool, bindings: &[ObjectId]) -> Formula {
         let arguments = World::bind(&call.arguments, bindings);
         if !self.costs.is_pure(call.module) {
-            return Formula::Call(self.symbols.call(call.module, arguments), positive);
+            return Formula::Call(self.symbols.call(call.module, &arguments), positive);
         }
         match self.costs.value(call.module, &arguments, self.action) {
             Some(value) => truth((value != 0.0 && value.is_finite()) == positive),
@@ -133,7 +133,7 @@ impl Instantiation<'_, '_> {
             ExpressionKind::Module(call) => {
                 let arguments = World::bind(&call.arguments, bindings);
                 if !self.costs.is_pure(call.module) {
-                    let call = self.symbols.call(call.module, arguments);
+                    let call = self.symbols.call(call.module, &arguments);
                     return Some(GroundExpression::Call(call));
                 }
                 match self.costs.value(call.module, &arguments, self.action) {
@@ -166,13 +166,11 @@ impl Instantiation<'_, '_> {
     fn fluent(&mut self, term: &FluentTerm, bindings: &[ObjectId]) -> Option<GroundExpression> {
         let arguments = World::bind(&term.arguments, bindings);
         if self.world.changing_function[term.function.index()] {
-            let fluent = self.symbols.fluent(term.function, arguments);
+            let fluent = self.symbols.fluent(term.function, &arguments);
             return Some(GroundExpression::Fluent(fluent));
         }
-        self.world
-            .values
-            .get(&(term.function, arguments))
-            .map(|&value| GroundExpression::Constant(value))
+        let value = self.world.value(term.function, &arguments);
+        value.map(GroundExpression::Constant)
     }
 }
 

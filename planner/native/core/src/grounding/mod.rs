@@ -24,6 +24,7 @@ mod relaxation;
 mod relevance;
 mod schema;
 mod stratification;
+mod tuple;
 mod world;
 
 pub use relaxation::Relaxation;

@@ -258,10 +258,7 @@ impl Maps {
             self.conjunction(&mut operator.invariant);
             self.conjunction(&mut operator.end_condition);
             for list in &mut operator.also_reads {
-                *list = list
-                    .iter()
-                    .filter_map(|fact| self.facts[fact.index()])
-                    .collect();
+                self.list(list);
             }
             if let Some(Duration::Bounds(lower, upper)) = &mut operator.duration {
                 self.expression(lower);
@@ -280,13 +277,17 @@ impl Maps {
         }
     }
 
+    fn list(&self, facts: &mut Vec<FactId>) {
+        facts.retain_mut(|fact| {
+            let kept = self.facts[fact.index()];
+            *fact = kept.unwrap_or(*fact);
+            kept.is_some()
+        });
+    }
+
     fn conjunction(&self, conjunction: &mut Conjunction) {
-        for list in [&mut conjunction.positive, &mut conjunction.negative] {
-            *list = list
-                .iter()
-                .filter_map(|fact| self.facts[fact.index()])
-                .collect();
-        }
+        self.list(&mut conjunction.positive);
+        self.list(&mut conjunction.negative);
         for comparison in &mut conjunction.comparisons {
             self.expression(&mut comparison.left);
             self.expression(&mut comparison.right);

@@ -7,6 +7,8 @@ use crate::pddl::model::{
     Problem, Term, TimedChange, TypeId,
 };
 
+use super::tuple::Tuple;
+
 /// The domain and problem with the tables that grounding looks things up in.
 pub(super) struct World<'a> {
     pub(super) domain: &'a Domain,
@@ -15,8 +17,8 @@ pub(super) struct World<'a> {
     pub(super) changing_predicate: Vec<bool>,
     /// Whether an effect, a module or a timed assignment can change the function.
     pub(super) changing_function: Vec<bool>,
-    /// Initial values.
-    pub(super) values: FxHashMap<(FunctionId, Box<[ObjectId]>), f64>,
+    /// Initial values, by function.
+    values: Vec<FxHashMap<&'a [ObjectId], f64>>,
     members: Vec<Vec<bool>>,
 }
 
@@ -27,13 +29,12 @@ impl<'a> World<'a> {
             problem,
             changing_predicate: domain.predicates.iter().map(|p| p.derived).collect(),
             changing_function: vec![false; domain.functions.len()],
-            values: problem
-                .fluents
-                .iter()
-                .map(|(term, value)| ((term.function, term.arguments.as_slice().into()), *value))
-                .collect(),
+            values: vec![FxHashMap::default(); domain.functions.len()],
             members: type_members(domain, problem),
         };
+        for (term, value) in &problem.fluents {
+            world.values[term.function.index()].insert(&term.arguments, *value);
+        }
         for rule in &domain.derived {
             world.changing_predicate[rule.predicate.index()] = true;
         }
@@ -91,6 +92,11 @@ impl<'a> World<'a> {
             .collect()
     }
 
+    /// The initial value of a fluent, if it has one.
+    pub(super) fn value(&self, function: FunctionId, arguments: &[ObjectId]) -> Option<f64> {
+        self.values[function.index()].get(arguments).copied()
+    }
+
     /// The value of an expression of numbers and static fluents; it may be infinite or not a number.
     pub(super) fn static_value(
         &self,
@@ -101,7 +107,7 @@ impl<'a> World<'a> {
             ExpressionKind::Number(value) => *value,
             ExpressionKind::Fluent(term) if !self.changing_function[term.function.index()] => {
                 let arguments = Self::bind(&term.arguments, bindings);
-                *self.values.get(&(term.function, arguments))?
+                self.value(term.function, &arguments)?
             }
             ExpressionKind::Negate(inner) => -self.static_value(inner, bindings)?,
             ExpressionKind::Binary(operation, left, right) => operation.apply(
@@ -113,11 +119,9 @@ impl<'a> World<'a> {
     }
 
     /// Replaces bound variables.
-    pub(super) fn bind(terms: &[Term], bindings: &[ObjectId]) -> Box<[ObjectId]> {
-        terms
-            .iter()
-            .map(|term| Self::value_of(*term, bindings))
-            .collect()
+    pub(super) fn bind(terms: &[Term], bindings: &[ObjectId]) -> Tuple {
+        let objects = terms.iter().map(|term| Self::value_of(*term, bindings));
+        objects.into()
     }
 
     /// The object that a term stands for.

@@ -48,11 +48,16 @@ impl Choice {
         matches!(self, Self::ContextEnhancedAdditive | Self::Alternation)
     }
 
-    /// The graphs that it needs.
+    /// The graphs that it needs; none also if `stop` said so meanwhile.
     #[must_use]
-    pub fn graphs(self, task: &Task, relaxed: &RelaxedTask) -> Option<Graphs> {
+    pub fn graphs(
+        self,
+        stop: &dyn Fn() -> bool,
+        task: &Task,
+        relaxed: &RelaxedTask,
+    ) -> Option<Graphs> {
         self.needs_graphs()
-            .then(|| Graphs::new(task, relaxed, Costs::Actions))
+            .then(|| Graphs::unless(stop, task, relaxed, Costs::Actions))?
     }
 
     /// The heuristics themselves; `graphs` is what [`Self::graphs`] gave.

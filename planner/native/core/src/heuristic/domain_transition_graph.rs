@@ -98,16 +98,24 @@ impl DomainTransitionGraph {
     }
 }
 
-/// The graphs of all variables that matter to the goal; the others' are empty.
+/// Actions looked at between two questions whether to stop.
+const BATCH: u32 = 4_096;
+
+/// The graphs of all variables that matter to the goal; the others' are empty. `None` if `stop` said
+/// so meanwhile.
 #[must_use]
 pub fn domain_transition_graphs(
+    stop: &dyn Fn() -> bool,
     task: &Task,
     relaxed: &RelaxedTask,
     domain: &FiniteDomain,
     causal: &CausalGraph,
-) -> Vec<DomainTransitionGraph> {
+) -> Option<Vec<DomainTransitionGraph>> {
     let mut lists: Vec<Vec<Transition>> = vec![Vec::new(); domain.variables() as usize];
     for action in 0..relaxed.actions.len() as u32 {
+        if action.is_multiple_of(BATCH) && stop() {
+            return None;
+        }
         let needed: Vec<Assignment> = (relaxed.preconditions_of(action).iter())
             .map(|&proposition| domain.place(proposition))
             .collect();
@@ -135,13 +143,10 @@ pub fn domain_transition_graphs(
             });
         }
     }
-    lists
-        .into_iter()
-        .enumerate()
-        .map(|(variable, list)| {
-            DomainTransitionGraph::finish(list, domain.size(variable as Variable))
-        })
-        .collect()
+    let graphs = lists.into_iter().enumerate().map(|(variable, list)| {
+        DomainTransitionGraph::finish(list, domain.size(variable as Variable))
+    });
+    Some(graphs.collect())
 }
 
 /// What an action makes true, with the positions of the numeric supports.
@@ -235,7 +240,8 @@ mod tests {
         let relaxed = RelaxedTask::new(&task);
         let domain = FiniteDomain::new(&task, &relaxed);
         let causal = CausalGraph::new(&relaxed, &domain);
-        let graphs = domain_transition_graphs(&task, &relaxed, &domain, &causal);
+        let graphs = domain_transition_graphs(&|| false, &task, &relaxed, &domain, &causal)
+            .expect("not stopped");
         let place = |name: &str| {
             let fact = task.facts.iter().position(|fact| fact == name).expect(name);
             domain.place(fact as u32)

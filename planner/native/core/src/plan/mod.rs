@@ -7,6 +7,9 @@ pub mod writer;
 /// Least time between two happenings of which one changes what the other reads or changes [s].
 pub const EPSILON: f64 = 0.001;
 
+/// Least distance from a whole nanosecond that is not taken for an error of floating point [s].
+const DUST: f64 = 1e-10;
+
 /// One step: an action with its start and duration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
@@ -39,6 +42,18 @@ impl std::fmt::Display for Step {
     }
 }
 
+/// A time [s] without the last digits that sums of floating point leave: the nearest nanosecond where
+/// that is nearer than any sum of times comes by itself. Far less than what validators distinguish.
+#[must_use]
+pub fn without_dust(time: f64) -> f64 {
+    let whole = (time * 1e9).round() / 1e9;
+    if (whole - time).abs() < DUST {
+        whole
+    } else {
+        time
+    }
+}
+
 /// A time-triggered plan, sorted by start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
@@ -50,6 +65,20 @@ impl Plan {
     /// The time at which the last step ends [s].
     #[must_use]
     pub fn makespan(&self) -> f64 {
-        self.steps.iter().map(Step::end).fold(0.0, f64::max)
+        without_dust(self.steps.iter().map(Step::end).fold(0.0, f64::max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dust_goes_and_times_stay() {
+        assert_eq!(without_dust(10.004_999_999_999_999), 10.005);
+        assert_eq!(without_dust(252.001 + 132.000_999_999_999_95), 384.002);
+        for time in [0.0, 1.0 / 3.0, 123.456_789_012_34, 1e12 + 0.25, f64::MAX] {
+            assert_eq!(without_dust(time), time);
+        }
     }
 }

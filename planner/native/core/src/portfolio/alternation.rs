@@ -50,6 +50,9 @@ pub(super) fn run(
     let mut search = setting.search(&calls, setting.options.seed);
     let (compressed, tables) = (OnceCell::new(), OnceCell::new());
     let mut preludes = Prelude::all(setting.options);
+    if !setting.affords_sequences() {
+        preludes.clear();
+    }
     if setting.role == Role::Second && !preludes.is_empty() {
         // Begins with what the first thread comes to last.
         preludes.rotate_right(1);
@@ -62,10 +65,12 @@ pub(super) fn run(
     let mut turns_alone = 0_u32;
     // Expansions of the search for sequential plans.
     let mut sequential = 0_u64;
-    let mut adopt: Vec<_> = warm.to_vec();
+    // What is in force already has been repaired.
+    let repaired = incumbent.exists();
+    let mut adopt: Vec<_> = if repaired { Vec::new() } else { warm.to_vec() };
     // Where one action has to start inside another, the list-schedule search is the second choice.
     let epoch_first = setting.completeness.required_concurrency;
-    loop {
+    let outcome = (|| loop {
         if incumbent.import() {
             adopt = incumbent.operators().to_vec();
         }
@@ -240,5 +245,12 @@ pub(super) fn run(
             break Ok(outcome);
         }
         turn += 1;
+    })();
+    if let Ok(outcome) = outcome
+        && setting.role == Role::Alone
+    {
+        // Before the tables are given back.
+        setting.tell_stopped(incumbent, outcome);
     }
+    outcome
 }

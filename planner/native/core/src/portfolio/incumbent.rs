@@ -20,7 +20,8 @@ pub struct Incumbent<'a> {
     pub report: &'a mut SolveReport,
     improved: &'a mut dyn FnMut(&Plan),
     promptness: Option<Promptness>,
-    /// Operators of the best plan by start.
+    /// The best plan, and its operators by start.
+    best: Option<Found>,
     operators: Vec<OperatorId>,
     /// Where other threads are told and heard, and up to which version.
     exchange: Option<(&'a Exchange, u64)>,
@@ -42,6 +43,7 @@ impl<'a> Incumbent<'a> {
             report,
             improved,
             promptness,
+            best: None,
             operators: Vec::new(),
             exchange: None,
         }
@@ -77,6 +79,12 @@ impl<'a> Incumbent<'a> {
             Some(best) if self.task.metric.is_none() => best.cost,
             _ => f64::INFINITY,
         }
+    }
+
+    /// The best plan.
+    #[must_use]
+    pub fn best(&self) -> Option<&Found> {
+        self.best.as_ref()
     }
 
     /// The operators of the best plan by start.
@@ -131,6 +139,7 @@ impl<'a> Incumbent<'a> {
         let plan = found.plan(self.task);
         (self.improved)(&plan);
         self.operators = found.steps.iter().map(|step| step.0).collect();
+        self.best = Some(found.clone());
         self.report.plans.push(FoundPlan {
             plan,
             cost,

@@ -40,6 +40,9 @@ const TOLERANCE: f64 = 20.0 * EPSILON;
 /// What an operator takes in the task and the tables of all searches: 2,000 to 4,700 bytes measured.
 const OPERATOR_BYTES: usize = 4_500;
 
+/// What an operator takes besides in the tables of the search for sequences of steps.
+const SEQUENTIAL_OPERATOR_BYTES: usize = 2_500;
+
 /// Which thread a portfolio runs in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
@@ -103,6 +106,13 @@ impl<'a> Setting<'a> {
         limit.saturating_sub(tables).max(limit / 4)
     }
 
+    /// Whether the memory allows tables for sequences of steps beside all others.
+    fn affords_sequences(&self) -> bool {
+        let each = OPERATOR_BYTES + SEQUENTIAL_OPERATOR_BYTES;
+        let tables = self.task.operators.len().saturating_mul(each);
+        tables <= self.options.memory_limit
+    }
+
     fn dominance(&self) -> Dominance {
         if self.completeness.earlier_is_better {
             Dominance::Earlier
@@ -152,6 +162,14 @@ impl<'a> Setting<'a> {
         self.interrupted()
     }
 
+    /// Tells how a limit ended the search, if one did.
+    fn tell_stopped(&self, incumbent: &mut Incumbent<'_>, outcome: Outcome) {
+        if let (Some(stopped), true) = (self.options.stopped, outcome.limit().is_some()) {
+            incumbent.close(outcome);
+            stopped.0(incumbent.report);
+        }
+    }
+
     fn exhausted(&self, incumbent: &Incumbent<'_>, search: &Search<'_>) -> Outcome {
         self.exhausted_with(incumbent, search.chose_duration)
     }
@@ -193,27 +211,52 @@ pub fn run(
     report: &mut SolveReport,
     improved: &mut dyn FnMut(&Plan),
 ) -> Result<(), SolveError> {
-    let stopped = |report: &mut SolveReport| {
-        let outcome = options.interrupted(begun);
-        if let Some(outcome) = outcome {
-            report.outcome = outcome;
-            report.limit = outcome.limit();
-        }
-        outcome.is_some()
-    };
     let stop = || options.interrupted(begun).is_some();
+    let promptness = Promptness::new(task, options.promptness);
+    let mut incumbent = Incumbent::new(task, begun, report, improved, promptness.clone());
+    let warm = options
+        .warm_start
+        .map(|plan| warm_start::operators(task, plan))
+        .unwrap_or_default();
+    let optimiser = || {
+        let lists = options.space == Space::Portfolio;
+        lists.then(|| Optimiser::new(task, options.seed, promptness.clone()))?
+    };
+    let mut early = None;
+    if !warm.is_empty()
+        && let Some(mut optimiser) = optimiser()
+    {
+        let limits = (
+            options.timeout.map(|timeout| begun + timeout),
+            options.cancel,
+        );
+        let world = (task, attachments);
+        let sound = warm_start::put_in_force(&mut optimiser, &warm, world, limits, &mut incumbent);
+        if options.first_plan_only && incumbent.exists() {
+            incumbent.close(Outcome::Solved);
+            return Ok(());
+        }
+        early = Some(sound.then_some(optimiser));
+    }
+    let stopped = |incumbent: &mut Incumbent<'_>| match options.interrupted(begun) {
+        Some(outcome) => {
+            incumbent.close(outcome);
+            true
+        }
+        None => false,
+    };
     let Some(compiled) = Compiled::unless(&stop, task) else {
-        stopped(report);
+        stopped(&mut incumbent);
         return Ok(());
     };
     let relaxed = RelaxedTask::new(task);
-    if stopped(report) {
+    if stopped(&mut incumbent) {
         return Ok(());
     }
     let successors = Successors::new(&compiled);
     let heuristic = options.heuristic.unwrap_or(Choice::TemporalFf);
-    let graphs = heuristic.graphs(task, &relaxed);
-    if stopped(report) {
+    let graphs = heuristic.graphs(&stop, task, &relaxed);
+    if stopped(&mut incumbent) {
         return Ok(());
     }
     let setting = Setting {
@@ -227,21 +270,20 @@ pub fn run(
         heuristic,
         graphs: graphs.as_ref(),
         completeness: analyse(task),
-        promptness: Promptness::new(task, options.promptness),
+        promptness: promptness.clone(),
         role: Role::Alone,
     };
     let bound = makespan_bound(&compiled, &relaxed);
-    if stopped(report) {
+    if stopped(&mut incumbent) {
         return Ok(());
     }
     if bound.is_infinite() {
-        report.outcome = Outcome::ProvenUnsolvable;
+        incumbent.close(Outcome::ProvenUnsolvable);
         return Ok(());
     }
     if task.metric.is_none() && !task.partial {
-        report.lower_bound = bound;
+        incumbent.report.lower_bound = bound;
     }
-    let mut incumbent = Incumbent::new(task, begun, report, improved, setting.promptness.clone());
     if is_solved_at_once(&setting) {
         incumbent.offer(&Found {
             steps: Vec::new(),
@@ -250,13 +292,10 @@ pub fn run(
         incumbent.close(Outcome::SolvedOptimally);
         return Ok(());
     }
-    let warm = options
-        .warm_start
-        .map(|plan| warm_start::operators(task, plan))
-        .unwrap_or_default();
-    let optimiser = (options.space == Space::Portfolio)
-        .then(|| Optimiser::new(task, options.seed, setting.promptness.clone()))
-        .flatten();
+    let optimiser = early.unwrap_or_else(optimiser);
+    if stopped(&mut incumbent) {
+        return Ok(());
+    }
     let outcome = if options.threads > 1 && options.node_limit.is_none() {
         threads::run(&setting, optimiser, &warm, &mut incumbent)?
     } else {

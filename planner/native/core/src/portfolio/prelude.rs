@@ -28,31 +28,33 @@ pub(super) struct Tables<'t> {
     successors: Successors,
     calls: Calls<'t>,
     symmetry: Option<Symmetry>,
-    graphs: OnceCell<Option<Graphs>>,
+    graphs: OnceCell<Graphs>,
 }
 
 impl<'t> Tables<'t> {
-    fn new(task: &'t Task) -> Self {
-        let compiled = Compiled::new(task);
-        Self {
+    /// Prepares a task unless `stop` says so meanwhile.
+    fn unless(stop: &dyn Fn() -> bool, task: &'t Task) -> Option<Self> {
+        let compiled = Compiled::unless(stop, task)?;
+        let relaxed = (!stop()).then(|| RelaxedTask::new(task))?;
+        let successors = (!stop()).then(|| Successors::new(&compiled))?;
+        let symmetry = Symmetry::unless(stop, task)?;
+        Some(Self {
             graphs: OnceCell::new(),
-            relaxed: RelaxedTask::new(task),
-            successors: Successors::new(&compiled),
+            relaxed,
+            successors,
             calls: Calls::new(task, &NoAttachments),
-            symmetry: Symmetry::new(task),
+            symmetry,
             compiled,
-        }
+        })
     }
 
-    /// The graphs that a heuristic needs.
-    fn graphs(&self, heuristic: Choice) -> Option<&Graphs> {
-        if !heuristic.needs_graphs() {
-            return None;
+    /// The graphs that a heuristic needs; none also if `stop` said so meanwhile.
+    fn graphs(&self, stop: &dyn Fn() -> bool, heuristic: Choice) -> Option<&Graphs> {
+        if heuristic.needs_graphs() && self.graphs.get().is_none() {
+            let made = heuristic.graphs(stop, self.compiled.task, &self.relaxed)?;
+            self.graphs.get_or_init(|| made);
         }
-        let made = self
-            .graphs
-            .get_or_init(|| heuristic.graphs(self.compiled.task, &self.relaxed));
-        made.as_ref()
+        self.graphs.get().filter(|_| heuristic.needs_graphs())
     }
 }
 
@@ -133,7 +135,18 @@ impl<'s> Prelude<'s> {
                 self.ended = true;
                 return None;
             };
-            let tables = tables.get_or_init(|| Tables::new(compressed));
+            let stop = || setting.interrupted().is_some();
+            if tables.get().is_none() {
+                let made = Tables::unless(&stop, compressed)?;
+                tables.get_or_init(|| made);
+            }
+            let tables = tables.get()?;
+            if let Guide::Heuristic(heuristic) = self.guide {
+                tables.graphs(&stop, heuristic);
+            }
+            if stop() {
+                return None;
+            }
             self.search = Some(match self.guide {
                 Guide::Heuristic(heuristic) => {
                     Engine::BestFirst(search(setting, tables, heuristic))
@@ -181,8 +194,11 @@ fn search<'s>(setting: &Setting<'_>, tables: &'s Tables<'_>, heuristic: Choice) 
         tolerance: TOLERANCE,
         memory: setting.memory() / 4,
     };
-    let heuristics =
-        heuristic.heuristics(&tables.compiled, &tables.relaxed, tables.graphs(heuristic));
+    let heuristics = heuristic.heuristics(
+        &tables.compiled,
+        &tables.relaxed,
+        tables.graphs(&|| false, heuristic),
+    );
     let mut search = Search::new(transitions, &tables.successors, heuristics, parameters);
     if let Some(symmetry) = &tables.symmetry {
         search.tell_apart_by(Box::new(|state| symmetry.fingerprint(state)));

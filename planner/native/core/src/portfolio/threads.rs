@@ -39,7 +39,12 @@ pub(super) fn run(
     let (to_collector, plans) = channel();
     let exchange = Exchange::new(to_collector);
     let (ended, endings) = channel();
-    let report = incumbent.report.clone();
+    if let Some(best) = incumbent.best() {
+        exchange.publish(best, |_| true);
+    }
+    let mut report = incumbent.report.clone();
+    report.plans.clear();
+    report.schedules = 0;
     let seed = setting.options.seed;
     let own_lists = optimiser.is_some();
     let outcome = std::thread::scope(|scope| {
@@ -68,6 +73,9 @@ pub(super) fn run(
         });
         let outcome = collect(setting, &plans, &endings, incumbent);
         stop.store(true, Ordering::Relaxed);
+        if let Ok(outcome) = outcome {
+            setting.tell_stopped(incumbent, outcome);
+        }
         outcome
     });
     for (_, report) in endings.try_iter() {
@@ -104,6 +112,7 @@ impl Portfolio<'_> {
             cancel: Some(self.stop),
             memory_limit: setting.options.memory_limit / 2,
             progress: None,
+            stopped: None,
             ..*setting.options
         };
         let own = Setting {

@@ -212,8 +212,8 @@ impl<'t> Optimiser<'t> {
                 .is_some_and(|best| best.makespan <= self.bound + 1e-6)
     }
 
-    /// Repairs an earlier plan.
-    fn adopt(
+    /// Repairs an earlier plan, given by the order of its operators: what still applies is kept.
+    pub fn adopt(
         &mut self,
         operators: &[OperatorId],
         limits: &Limits<'_>,

@@ -37,12 +37,21 @@ impl Symmetry {
     /// Finds the classes of a task; `None` if no two objects are interchangeable.
     #[must_use]
     pub fn new(task: &Task) -> Option<Self> {
+        Self::unless(&|| false, task)?
+    }
+
+    /// The same unless `stop` says so meanwhile.
+    #[allow(clippy::option_option)] // stopped, or nothing found
+    pub fn unless(stop: &dyn Fn() -> bool, task: &Task) -> Option<Option<Self>> {
         let tables = Tables::new(task);
         let mut classes: Vec<Vec<u32>> = Vec::new();
         let mut effort = 0;
         for object in 0..task.object_names.len() as u32 {
             if tables.mentions[object as usize].is_empty() {
                 continue;
+            }
+            if stop() {
+                return None;
             }
             let same = classes.iter_mut().find(|class| {
                 let count = tables.mentions[object as usize].len();
@@ -59,7 +68,7 @@ impl Symmetry {
         }
         classes.retain(|class| class.len() > 1);
         if classes.is_empty() {
-            return None;
+            return Some(None);
         }
         let mut class_of = vec![(NONE, NONE); task.object_names.len()];
         let mut objects = 0;
@@ -95,12 +104,12 @@ impl Symmetry {
             let next = kinds.len() as u64 + (1 << 41);
             anonymous(*kinds.entry(*function).or_insert(next), arguments)
         });
-        Some(Self {
+        Some(Some(Self {
             facts: facts.collect(),
             fluents: fluents.collect(),
             objects: objects as usize,
             classes,
-        })
+        }))
     }
 
     /// The same for states that differ by an exchange of interchangeable objects.

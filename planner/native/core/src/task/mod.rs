@@ -11,7 +11,7 @@ use crate::pddl::model::{
     ActionId, Arithmetic, Assignment, Comparison, FunctionId, ModuleId, ModuleKind, ObjectId,
     PredicateId,
 };
-use crate::plan::Step;
+use crate::plan::{Step, without_dust};
 
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
@@ -104,19 +104,19 @@ pub enum FluentPlace {
 }
 
 impl Task {
-    /// The plan step that runs an operator.
+    /// The plan step that runs an operator, with times of whole nanoseconds where they were meant.
     #[must_use]
     pub fn step(&self, operator: OperatorId, start: f64, duration: Option<f64>) -> Step {
         let ground = &self.operators[operator.index()];
         Step {
-            start,
+            start: without_dust(start),
             action: self.action_names[ground.action.index()].clone(),
             arguments: ground
                 .arguments
                 .iter()
                 .map(|object| self.object_names[object.index()].clone())
                 .collect(),
-            duration,
+            duration: duration.map(without_dust),
         }
     }
 

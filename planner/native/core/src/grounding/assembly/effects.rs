@@ -14,7 +14,7 @@ use super::Assembly;
 /// A ground effect before atoms become facts.
 pub(super) struct RawEffect {
     pub(super) when: When,
-    pub(super) condition: Option<[Formula; 3]>,
+    pub(super) condition: Option<Box<[Formula; 3]>>,
     pub(super) change: RawChange,
 }
 
@@ -71,7 +71,7 @@ impl Assembly<'_, '_> {
                 });
                 continue;
             };
-            let [at_start, throughout, at_end] = condition;
+            let [at_start, throughout, at_end] = *condition;
             let at_start = self.conjunctions(at_start, Some(instance))?;
             let throughout = self.conjunctions(throughout, Some(instance))?;
             let at_end = self.conjunctions(at_end, Some(instance))?;
@@ -165,34 +165,34 @@ fn ground_effect(
         EffectKind::Add(atom) => RawChange::Add(
             instantiation
                 .symbols
-                .atom(atom.predicate, World::bind(&atom.arguments, bindings)),
+                .atom(atom.predicate, &World::bind(&atom.arguments, bindings)),
         ),
         EffectKind::Delete(atom) => RawChange::Delete(
             instantiation
                 .symbols
-                .atom(atom.predicate, World::bind(&atom.arguments, bindings)),
+                .atom(atom.predicate, &World::bind(&atom.arguments, bindings)),
         ),
         EffectKind::Assign(assignment, term, expression) => {
             let value = instantiation.expression(expression, bindings)?;
             let fluent = instantiation
                 .symbols
-                .fluent(term.function, World::bind(&term.arguments, bindings));
+                .fluent(term.function, &World::bind(&term.arguments, bindings));
             RawChange::Other(Change::Assign(*assignment, fluent, value))
         }
         EffectKind::Module(call) => {
             let arguments = World::bind(&call.arguments, bindings);
             for term in &instantiation.world.domain.modules[call.module.index()].writes {
                 let bound = World::bind(&term.arguments, &arguments);
-                instantiation.symbols.fluent(term.function, bound);
+                instantiation.symbols.fluent(term.function, &bound);
             }
             RawChange::Other(Change::Call(
-                instantiation.symbols.call(call.module, arguments),
+                instantiation.symbols.call(call.module, &arguments),
             ))
         }
     };
     effects.push(RawEffect {
         when,
-        condition: guard.cloned(),
+        condition: guard.cloned().map(Box::new),
         change,
     });
     Some(())

@@ -8,6 +8,7 @@ use crate::task::FactId;
 use super::super::instantiation::for_all_bindings;
 use super::super::reachability::Instance;
 use super::super::schema::Origin;
+use super::super::tuple::Tuple;
 use super::super::world::World;
 use super::Assembly;
 
@@ -32,7 +33,7 @@ impl Assembly<'_, '_> {
         let mut facts: Vec<FactId> = atoms
             .into_iter()
             .filter_map(|(predicate, arguments)| {
-                let atom = self.reached.symbols.atom(predicate, arguments);
+                let atom = self.reached.symbols.atom(predicate, &arguments);
                 (self.known(atom).is_none()).then(|| self.fact(atom))
             })
             .collect();
@@ -48,7 +49,7 @@ fn mentioned(
     condition: &Condition,
     inside: bool,
     bindings: &mut Vec<ObjectId>,
-    atoms: &mut Vec<(PredicateId, Box<[ObjectId]>)>,
+    atoms: &mut Vec<(PredicateId, Tuple)>,
 ) {
     match &condition.kind {
         ConditionKind::And(parts) => {
@@ -86,7 +87,7 @@ fn mentioned_by_effect(
     effect: &Effect,
     (when, wanted): (When, When),
     bindings: &mut Vec<ObjectId>,
-    atoms: &mut Vec<(PredicateId, Box<[ObjectId]>)>,
+    atoms: &mut Vec<(PredicateId, Tuple)>,
 ) {
     match &effect.kind {
         EffectKind::And(parts) => {

@@ -1,5 +1,6 @@
 //! Builds the task from what relaxed reachability found.
 
+mod conjunctions;
 mod effects;
 mod goal;
 mod mentioned;
@@ -30,6 +31,8 @@ struct Assembly<'a, 'b> {
     /// Atoms that an effect or timed literal adds or deletes.
     touched: FxHashSet<AtomId>,
     initial: FxHashSet<AtomId>,
+    /// Memory for the bindings of the instance at hand.
+    bindings: Vec<ObjectId>,
     task: Task,
 }
 
@@ -47,6 +50,7 @@ pub(super) fn assemble(
         fact_of: FxHashMap::default(),
         touched: FxHashSet::default(),
         initial: FxHashSet::default(),
+        bindings: Vec::new(),
         task: Task {
             action_names: names(world.domain.actions.iter().map(|a| &a.name.text)),
             object_names: names(world.problem.objects.iter().map(|o| &o.name.text)),
@@ -118,8 +122,10 @@ impl Assembly<'_, '_> {
             action: &action,
             incomplete: false,
         };
-        let mut bindings = instance.map_or_else(Vec::new, |i| i.arguments.to_vec());
-        work(&mut instantiation, &mut bindings)
+        let bindings = &mut self.bindings;
+        bindings.clear();
+        bindings.extend(instance.iter().flat_map(|i| i.arguments.iter()));
+        work(&mut instantiation, bindings)
     }
 
     fn timed(&mut self) -> Vec<(f64, RawChange)> {
@@ -128,14 +134,14 @@ impl Assembly<'_, '_> {
             let symbols = &mut self.reached.symbols;
             let change = match &timed.change {
                 TimedChange::Add(atom) => {
-                    RawChange::Add(symbols.atom(atom.predicate, atom.arguments.as_slice().into()))
+                    RawChange::Add(symbols.atom(atom.predicate, &atom.arguments))
                 }
-                TimedChange::Delete(atom) => RawChange::Delete(
-                    symbols.atom(atom.predicate, atom.arguments.as_slice().into()),
-                ),
+                TimedChange::Delete(atom) => {
+                    RawChange::Delete(symbols.atom(atom.predicate, &atom.arguments))
+                }
                 TimedChange::Assign(term, value) => RawChange::Other(Change::Assign(
                     crate::pddl::model::Assignment::Assign,
-                    symbols.fluent(term.function, term.arguments.as_slice().into()),
+                    symbols.fluent(term.function, &term.arguments),
                     GroundExpression::Constant(*value),
                 )),
             };
@@ -150,10 +156,7 @@ impl Assembly<'_, '_> {
     fn collect_initial(&mut self) {
         for atom in &self.world.problem.facts {
             if self.world.changing_predicate[atom.predicate.index()] {
-                let id = self
-                    .reached
-                    .symbols
-                    .atom(atom.predicate, atom.arguments.as_slice().into());
+                let id = self.reached.symbols.atom(atom.predicate, &atom.arguments);
                 self.initial.insert(id);
             }
         }
@@ -191,61 +194,6 @@ impl Assembly<'_, '_> {
         fact
     }
 
-    /// The conjunctions that a formula splits into.
-    fn conjunctions(
-        &mut self,
-        formula: Formula,
-        instance: Option<&Instance>,
-    ) -> Result<Vec<Conjunction>, GroundingError> {
-        let folded = formula.fold(&|atom| self.known(atom));
-        let limit = self.limits.disjuncts;
-        let Some(disjuncts) = folded.disjuncts(limit) else {
-            let (action, span) = match instance {
-                Some(instance) => {
-                    let schema = &self.reached.schemas[instance.schema as usize];
-                    let span = match schema.origin {
-                        Origin::Action(_, action) => action.span,
-                        Origin::Rule(rule) => rule.span,
-                    };
-                    (instance_name(self.world, schema, &instance.arguments), span)
-                }
-                None => ("the goal".into(), self.world.problem.goal.span),
-            };
-            return Err(GroundingError::TooManyDisjuncts {
-                action,
-                limit,
-                span,
-            });
-        };
-        Ok(disjuncts
-            .into_iter()
-            .filter_map(|literals| self.conjunction(literals))
-            .collect())
-    }
-
-    fn conjunction(&mut self, literals: Vec<Formula>) -> Option<Conjunction> {
-        let mut conjunction = Conjunction::default();
-        for literal in literals {
-            match literal {
-                Formula::Atom(atom, true) => conjunction.positive.push(self.fact(atom)),
-                Formula::Atom(atom, false) => conjunction.negative.push(self.fact(atom)),
-                Formula::Compare(condition) => conjunction.comparisons.push(condition),
-                Formula::Call(call, value) => conjunction.calls.push((call, value)),
-                Formula::True => {}
-                Formula::False | Formula::And(_) | Formula::Or(_) => return None,
-            }
-        }
-        conjunction.positive.sort_unstable();
-        conjunction.positive.dedup();
-        conjunction.negative.sort_unstable();
-        conjunction.negative.dedup();
-        let clash = conjunction
-            .positive
-            .iter()
-            .any(|fact| conjunction.negative.binary_search(fact).is_ok());
-        (!clash).then_some(conjunction)
-    }
-
     fn formula(&mut self, instance: &Instance, wanted: When) -> Formula {
         let origin = self.reached.schemas[instance.schema as usize].origin;
         self.with(Some(instance), |instantiation, bindings| match origin {
@@ -276,7 +224,7 @@ impl Assembly<'_, '_> {
                 let atom = self
                     .reached
                     .symbols
-                    .atom(rule.predicate, instance.arguments.clone());
+                    .atom(rule.predicate, &instance.arguments);
                 let head = self.fact(atom);
                 let stratum = strata[rule.predicate.index()];
                 for condition in starts {
@@ -299,19 +247,33 @@ impl Assembly<'_, '_> {
             self.mentions(instance, When::End),
         ];
         self.task.narrowed |= throughouts.len() > 1;
+        let mut operator = Operator {
+            action,
+            arguments: instance.arguments.to_vec(),
+            duration: instance.duration.clone(),
+            start_condition: Conjunction::default(),
+            invariant: Conjunction::default(),
+            end_condition: Conjunction::default(),
+            also_reads,
+            start_effects,
+            end_effects,
+        };
+        let (mut starts, mut throughouts, mut ends) = (starts, throughouts, ends);
+        if starts.len() * throughouts.len() * ends.len() == 1 {
+            operator.start_condition = starts.remove(0);
+            operator.invariant = throughouts.remove(0);
+            operator.end_condition = ends.remove(0);
+            self.task.operators.push(operator);
+            return Ok(());
+        }
         for start_condition in &starts {
             for invariant in &throughouts {
                 for end_condition in &ends {
                     self.task.operators.push(Operator {
-                        action,
-                        arguments: instance.arguments.to_vec(),
-                        duration: instance.duration.clone(),
                         start_condition: start_condition.clone(),
                         invariant: invariant.clone(),
                         end_condition: end_condition.clone(),
-                        also_reads: also_reads.clone(),
-                        start_effects: start_effects.clone(),
-                        end_effects: end_effects.clone(),
+                        ..operator.clone()
                     });
                 }
             }
@@ -341,8 +303,8 @@ impl Assembly<'_, '_> {
                 name.push_str(&object(argument));
             }
             task.fluents.push(name);
-            let value = world.values.get(&(*function, arguments.clone()));
-            task.initial_values.push(value.copied().unwrap_or(f64::NAN));
+            let value = world.value(*function, arguments);
+            task.initial_values.push(value.unwrap_or(f64::NAN));
         }
         for (module, arguments) in &reached.symbols.calls {
             let writes = &world.domain.modules[module.index()].writes;
@@ -357,7 +319,7 @@ impl Assembly<'_, '_> {
                             .symbols
                             .fluents
                             .iter()
-                            .position(|(f, a)| *f == term.function && *a == bound);
+                            .position(|(f, a)| *f == term.function && **a == *bound);
                         crate::task::FluentId(position.unwrap_or(0) as u32)
                     })
                     .collect(),

@@ -34,10 +34,9 @@ pub(super) fn state_symbols(
             symbols.facts.insert(key, None);
         }
     }
-    for (key, value) in &world.values {
-        symbols
-            .fluents
-            .insert(key.clone(), FluentPlace::Constant(*value));
+    for (term, value) in &world.problem.fluents {
+        let key = (term.function, term.arguments.as_slice().into());
+        symbols.fluents.insert(key, FluentPlace::Constant(*value));
     }
     for (index, key) in reached.symbols.fluents.iter().enumerate() {
         symbols

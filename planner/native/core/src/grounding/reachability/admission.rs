@@ -144,7 +144,7 @@ impl Exploration<'_, '_> {
         for effect in std::mem::take(&mut self.conditional) {
             if self.possible(&effect.condition) {
                 let (predicate, arguments) = self.found.symbols.atoms[effect.atom.index()].clone();
-                self.reach_atom(predicate.index(), arguments, effect.label);
+                self.reach_atom(predicate.index(), &arguments, effect.label);
                 woke = true;
             } else {
                 self.conditional.push(effect);

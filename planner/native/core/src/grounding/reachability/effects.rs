@@ -26,7 +26,7 @@ impl Exploration<'_, '_> {
                     .rules_seen
                     .insert((instance.schema, instance.arguments.clone()))
                 {
-                    self.reach_atom(rule.predicate.index(), instance.arguments.clone(), start);
+                    self.reach_atom(rule.predicate.index(), &instance.arguments, start);
                     self.found.instances.push(instance);
                 }
             }
@@ -79,7 +79,7 @@ impl Exploration<'_, '_> {
                 match guard {
                     Some(formula) if !self.possible(formula) => {
                         if *formula != Formula::False {
-                            let atom = self.found.symbols.atom(atom.predicate, arguments);
+                            let atom = self.found.symbols.atom(atom.predicate, &arguments);
                             self.conditional.push(Conditional {
                                 condition: formula.clone(),
                                 atom,
@@ -87,7 +87,7 @@ impl Exploration<'_, '_> {
                             });
                         }
                     }
-                    _ => self.reach_atom(atom.predicate.index(), arguments, label),
+                    _ => self.reach_atom(atom.predicate.index(), &arguments, label),
                 }
             }
             EffectKind::Delete(_) | EffectKind::Assign(..) | EffectKind::Module(_) => {}

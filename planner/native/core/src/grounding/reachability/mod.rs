@@ -194,32 +194,31 @@ impl<'a, 'b> Exploration<'a, 'b> {
         for atom in &world.problem.facts {
             let predicate = atom.predicate.index();
             if world.changing_predicate[predicate] {
-                exploration.reach_atom(predicate, atom.arguments.as_slice().into(), 0.0);
+                exploration.reach_atom(predicate, &atom.arguments, 0.0);
             } else {
                 exploration.found.relations[predicate].insert(&atom.arguments, 0);
             }
         }
         for timed in &world.problem.timed {
             if let TimedChange::Add(atom) = &timed.change {
-                let arguments = atom.arguments.as_slice().into();
                 let label = timed.time as f32;
-                exploration.reach_atom(atom.predicate.index(), arguments, label);
+                exploration.reach_atom(atom.predicate.index(), &atom.arguments, label);
             }
         }
         exploration
     }
 
-    fn reach_atom(&mut self, predicate: usize, arguments: Box<[ObjectId]>, label: f32) {
+    fn reach_atom(&mut self, predicate: usize, arguments: &[ObjectId], label: f32) {
         let sequence = match self.beam {
             // Joins see it when it is admitted.
             Some(_) => u32::MAX,
             None => self.queue.len() as u32 + 1,
         };
-        if self.found.relations[predicate].insert_labelled(&arguments, sequence, label) {
+        if self.found.relations[predicate].insert_labelled(arguments, sequence, label) {
             if let Some(beam) = &mut self.beam {
                 beam.pend(label, self.queue.len());
             }
-            self.queue.push((predicate, arguments));
+            self.queue.push((predicate, arguments.into()));
         }
     }
 

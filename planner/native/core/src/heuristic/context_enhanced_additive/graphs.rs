@@ -33,12 +33,17 @@ pub struct Graphs {
 }
 
 impl Graphs {
-    /// The graphs of a task.
+    /// The graphs of a task; `None` if `stop` said so meanwhile.
     #[must_use]
-    pub fn new(task: &Task, relaxed: &RelaxedTask, costs: Costs) -> Self {
+    pub fn unless(
+        stop: &dyn Fn() -> bool,
+        task: &Task,
+        relaxed: &RelaxedTask,
+        costs: Costs,
+    ) -> Option<Self> {
         let domain = FiniteDomain::new(task, relaxed);
-        let causal = CausalGraph::new(relaxed, &domain);
-        let transitions = domain_transition_graphs(task, relaxed, &domain, &causal);
+        let causal = (!stop()).then(|| CausalGraph::new(relaxed, &domain))?;
+        let transitions = domain_transition_graphs(stop, task, relaxed, &domain, &causal)?;
         let delays = || relaxed.actions.iter().map(|action| action.delay);
         let longer = delays().filter(|delay| *delay > 0.0).count().max(1);
         let mean = delays().sum::<f64>() / longer as f64;
@@ -51,7 +56,7 @@ impl Graphs {
         for variable in 0..domain.variables() {
             offsets.push(offsets[variable as usize] + domain.size(variable));
         }
-        Self {
+        Some(Self {
             costs: actions
                 .map(|action| u32::from(!action.is_axiom()) + priced(action.delay, rate))
                 .collect(),
@@ -60,7 +65,7 @@ impl Graphs {
             transitions,
             rate,
             offsets,
-        }
+        })
     }
 }
 

@@ -191,12 +191,11 @@ impl Builder<'_> {
             self.tokens.kinds[token as usize] = TokenKind::Skipped;
             return;
         };
-        let closer = self.word(token).to_owned();
-        self.close_unclosed(
-            near + matching + 1,
-            last_solid,
-            &format!("`{closer}` follows"),
-        );
+        let keep = near + matching + 1;
+        if self.stack.len() > keep {
+            let why = format!("`{}` follows", self.word(token));
+            self.close_unclosed(keep, last_solid, &why);
+        }
         let opener = self.stack.pop().expect("the matching opener is on top");
         self.ends[opener as usize] = token + 1;
         self.limit_depth(opener, token);
