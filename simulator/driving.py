@@ -56,7 +56,7 @@ class Driving:
                 continue
             towards, limit_m_s = wish
             if robot.held_s > _PATIENCE_S and robot.kind.drive != "ackermann":
-                towards = self._past(robot, towards, near[i])
+                towards = self._aside(robot, towards, near[i])
             speed, turn = steer(robot, towards, limit_m_s, step_s)
             x, y, heading_rad = robot.truth
             course = heading_rad + 0.5 * turn * step_s
@@ -120,22 +120,40 @@ class Driving:
             return None
         return max(free, key=lambda place: floor.clearance(place[0], place[1], limit_m))
 
-    @staticmethod
-    def _past(robot: Robot, towards: Point, near: Sequence[Robot]) -> Point:
-        """Where to steer to get past a robot that stands close by in the way: along its side.
+    def _aside(self, robot: Robot, towards: Point, near: Sequence[Robot]) -> Point:
+        """Where a robot steers to that the guard lets go no further on its course."""
+        other = min(near, key=lambda o: math.dist(o.position, robot.position), default=None)
+        if other is not None:
+            reach_m = robot.kind.radius_m + other.kind.radius_m + _STAND_OFF_M + 0.05
+            to = (other.x - robot.x, other.y - robot.y)
+            if math.hypot(*to) <= reach_m:
+                return self._past(robot, towards, to)
+        # The course cut the corner at the end of a blockade.
+        here = robot.truth[:2]
+        reach_m = robot.kind.radius_m + 2.0 * _GAP_M
+        points = [
+            nearest_on_segment(here, blockade.segment_m)
+            for blockade in self.world.blockades_near(here, reach_m)
+        ]
+        nearest = min(points, key=lambda point: math.dist(point, here), default=None)
+        if nearest is None or math.dist(nearest, here) > reach_m:
+            return towards
+        return self._past(robot, towards, (nearest[0] - here[0], nearest[1] - here[1]))
 
-        Of two that meet head-on each turns to its right. The course leads a little away from the
-        other one, so that the guard lets it pass.
+    @staticmethod
+    def _past(robot: Robot, towards: Point, to: Point) -> Point:
+        """Where to steer to get past what is close by in the way: along its side.
+
+        Of two robots that meet head-on each turns to its right. The course leads a little away from
+        the obstacle, so that the guard lets the robot pass.
+
+        Args:
+            to: from the robot to the obstacle [m].
         """
         wish = (towards[0] - robot.x, towards[1] - robot.y)
-        other = min(near, key=lambda o: math.dist(o.position, robot.position), default=None)
-        if other is None:
-            return towards
-        to = (other.x - robot.x, other.y - robot.y)
         far_m = math.hypot(*to)
-        reach_m = robot.kind.radius_m + other.kind.radius_m + _STAND_OFF_M + 0.05
         along = (wish[0] * to[0] + wish[1] * to[1]) / max(far_m * math.hypot(*wish), 1e-9)
-        if far_m > reach_m or along <= 0.0:
+        if along <= 0.0:
             return towards
         ahead = (to[0] / far_m, to[1] / far_m)
         side = (ahead[1], -ahead[0])

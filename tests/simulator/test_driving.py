@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from simulator.driving import Driving
-from simulator.fleet_scenario import Point, RobotType
+from simulator.fleet_scenario import HiddenBlockade, Point, RobotType
 from simulator.knowledge import Knowledge
 from simulator.navigation import Navigation
 from simulator.occupancy_grid import read_map_server
@@ -30,10 +30,16 @@ class Hall:
     """Robots in a hall of 14 x 3 m, each on its way to a goal."""
 
     def __init__(
-        self, folder: Path, starts: list[Point], goals: list[Point], kind: RobotType = EXPLORER
+        self,
+        folder: Path,
+        starts: list[Point],
+        goals: list[Point],
+        kind: RobotType = EXPLORER,
+        blockades: tuple[HiddenBlockade, ...] = (),
     ) -> None:
         grid = read_map_server(write_floor(folder, HALL))
-        self.world, navigation = World(grid, ()), Navigation(grid)
+        self.world, navigation = World(grid, blockades), Navigation(grid)
+        navigation.known.update((blockade.id, blockade) for blockade in blockades)
         self.robots = [
             Robot(f"robot_{k}", kind, *start, heading_rad=2.0 * k) for k, start in enumerate(starts)
         ]
@@ -99,6 +105,17 @@ def test_six_change_sides(tmp_path: Path, seed: int) -> None:
     hall = Hall(tmp_path, [*left, *right], goals)
     assert hall.drive(120.0) is not None
     assert hall.world.contacts.robot == hall.world.contacts.wall == 0
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_around_the_loose_end_of_a_blockade(tmp_path: Path, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    end = (random.uniform(7.0, 9.0), random.uniform(2.0, 3.0))
+    blockade = HiddenBlockade("rubble", ((end[0], 1.0), end), 10.0)
+    start, goal = random.uniform([[3.0, 1.4], [11.0, 1.4]], [[6.0, 2.0], [14.0, 2.0]])
+    hall = Hall(tmp_path, [tuple(start)], [tuple(goal)], blockades=(blockade,))
+    assert hall.drive(40.0) is not None
+    assert hall.world.contacts.wall == 0
 
 
 CAR = RobotType("car", beams=72, drive="ackermann", turning_radius_m=0.9)
