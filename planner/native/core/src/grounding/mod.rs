@@ -13,6 +13,7 @@ mod assembly;
 mod beam;
 mod costs;
 pub(crate) use costs::complaint;
+mod dead_end_operators;
 mod duration;
 mod effect_calls;
 mod formula;
@@ -24,6 +25,7 @@ mod relaxation;
 mod relevance;
 mod schema;
 mod stratification;
+mod token_graph;
 mod tuple;
 mod world;
 
@@ -192,6 +194,7 @@ fn ground_with(
     let mut task = assembly::assemble(&world, reached, &strata, stateful, limits)?;
     limits.check()?;
     if !stateful {
+        dead_end_operators::prune(&mut task);
         relevance::prune(&mut task);
     }
     task.partial = width.is_some();

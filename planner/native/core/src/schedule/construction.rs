@@ -164,8 +164,13 @@ impl Workshop {
             labelling.noise = 0.05;
             labelling.protect = true;
         }
+        if manner == Manner::Any && self.urgency.iter().any(|failures| *failures > 0.0) {
+            // Goals that fail may do so because the nearest need of a step is achieved first.
+            labelling.far_first = labelling.salt & 1 == 1;
+        }
         if manner == Manner::Hasty {
             labelling.greed = HASTY_GREED;
+            labelling.far_first = true;
             self.sort_by_urgency(&mut order);
             return self.achieve_goals(&mut order, labelling, bound, stop);
         }
@@ -178,5 +183,47 @@ impl Workshop {
             self.sort_by_urgency(&mut order);
         }
         self.achieve_goals(&mut order, labelling, bound, stop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Manner;
+    use crate::attachment::NoAttachments;
+    use crate::grounding::{GroundingLimits, ground};
+    use crate::pddl::{read_domain, read_problem};
+    use crate::schedule::workshop::Workshop;
+    use crate::syntax::source::SourceFile;
+
+    const LIFT: &str = "(define (domain lift) (:requirements :typing :durative-actions)
+     (:types floor) (:predicates (lift-at ?f - floor) (waits ?f - floor) (aboard) (home))
+     (:durative-action move :parameters (?a ?b - floor) :duration (= ?duration 5)
+      :condition (at start (lift-at ?a))
+      :effect (and (at start (not (lift-at ?a))) (at end (lift-at ?b))))
+     (:durative-action board :parameters (?f - floor) :duration (= ?duration 1)
+      :condition (and (over all (lift-at ?f)) (at start (waits ?f)))
+      :effect (and (at start (not (waits ?f))) (at end (aboard))))
+     (:durative-action leave :parameters () :duration (= ?duration 1)
+      :condition (and (over all (lift-at f3)) (at start (aboard)))
+      :effect (and (at start (not (aboard))) (at end (home)))))";
+
+    #[test]
+    fn a_hasty_list_fetches_the_passenger_before_it_goes_where_he_wants_to() {
+        let domain = LIFT.replace("(:predicates", "(:constants f1 f2 f3 - floor) (:predicates");
+        let (domain, diagnostics) = read_domain(&SourceFile::new("domain", domain));
+        let domain = domain.unwrap_or_else(|| panic!("{diagnostics:?}"));
+        let problem =
+            "(define (problem p) (:domain lift) (:init (lift-at f1) (waits f2)) (:goal (home)))";
+        let (problem, diagnostics) = read_problem(&SourceFile::new("problem", problem), &domain);
+        let problem = problem.unwrap_or_else(|| panic!("{diagnostics:?}"));
+        let limits = GroundingLimits::default();
+        let task = ground(&domain, &problem, &NoAttachments, &limits).unwrap();
+        let mut workshop = Workshop::new(&task, 0, None).unwrap();
+        let steps = |workshop: &Workshop| workshop.state.list.len();
+        assert!(workshop.construct(Manner::Hasty, f64::INFINITY, &|| false));
+        assert_eq!(steps(&workshop), 4);
+        // The nearest need first: the lift goes there, and back, before it fetches him.
+        assert!(workshop.construct(Manner::Thorough, f64::INFINITY, &|| false));
+        assert!(steps(&workshop) > 4);
     }
 }

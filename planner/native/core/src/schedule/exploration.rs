@@ -30,6 +30,9 @@ pub struct Labelling {
     /// Weight of the distance to the target in the order of labels: with 1 they are the least ones,
     /// with more of it fewer are looked at.
     pub greed: f32,
+    /// Of what an operator needs, achieve the farthest first, and rely on what its operators add
+    /// besides: what is near, like a vehicle's place, is often lost on the way to the rest.
+    pub far_first: bool,
 }
 
 /// What the last rule must look like.
@@ -117,7 +120,8 @@ impl Exploration {
         let label = self.explore(&question, &distance);
         self.distances.give_back(target, distance);
         if label.is_finite() {
-            self.extract(question.propositions, target, plan);
+            let far_first = question.labelling.far_first;
+            self.extract(question.propositions, target, far_first, plan);
         }
         label
     }
@@ -319,15 +323,26 @@ impl Exploration {
         }
     }
 
-    fn extract(&mut self, propositions: &Propositions, target: u32, plan: &mut Vec<(u32, u32)>) {
+    fn extract(
+        &mut self,
+        propositions: &Propositions,
+        target: u32,
+        far_first: bool,
+        plan: &mut Vec<(u32, u32)>,
+    ) {
         let mut stack = vec![(target, false)];
         let generation = self.generation;
         while let Some((proposition, leaving)) = stack.pop() {
             let supporter = self.labels[proposition as usize].supporter;
             if leaving {
-                let operator = propositions.rules[supporter as usize].operator;
-                if operator != NONE {
-                    plan.push((operator, proposition));
+                let rule = &propositions.rules[supporter as usize];
+                if rule.operator != NONE {
+                    plan.push((rule.operator, proposition));
+                }
+                if far_first {
+                    for add in propositions.adds(rule) {
+                        self.visited[add.proposition as usize] = generation;
+                    }
                 }
                 continue;
             }
@@ -346,6 +361,9 @@ impl Exploration {
                 let time = |entry: &(u32, bool)| self.labels[entry.0 as usize].time;
                 time(right).total_cmp(&time(left))
             });
+            if far_first {
+                stack[from..].reverse();
+            }
         }
         let mut seen: Vec<u32> = Vec::with_capacity(plan.len());
         plan.retain(|(operator, _)| {

@@ -77,6 +77,7 @@ impl Workshop {
             effort,
             noise: [0.0, 0.1, 0.5][self.random.random_range(0..3)],
             salt: self.random.random(),
+            far_first: false,
             protect: self.random.random_bool(0.7),
             windows: true,
             greed: GREED[self.random.random_range(0..GREED.len())],
