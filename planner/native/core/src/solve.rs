@@ -1,10 +1,11 @@
 //! From a domain and a problem to plans.
 
+use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::attachment::{AttachmentError, Attachments};
-use crate::grounding::{GroundingError, GroundingLimits, ground, ground_partially};
+use crate::grounding::{GaveUp, GroundingError, GroundingLimits, ground, ground_partially};
 use crate::heuristic::choice::Choice;
 use crate::outcome::{Limit, Outcome};
 use crate::pddl::model::{Domain, Problem};
@@ -179,7 +180,17 @@ pub fn solve(
     let begun = Instant::now();
     let fitting = options.memory_limit / LEAST_OPERATOR_BYTES;
     let most = GroundingLimits::default().operators;
+    let found: RefCell<Option<SolveReport>> = RefCell::new(None);
+    let told = Cell::new(false);
+    let gave_up = |error: &GroundingError| {
+        if let (Some(stopped), Some(outcome)) = (options.stopped, gave_up_by(error))
+            && !told.replace(true)
+        {
+            stopped.0(&ended(outcome, begun, found.borrow().clone()));
+        }
+    };
     let limits = GroundingLimits {
+        gave_up: Some(GaveUp(&gave_up)),
         operators: most.min(fitting),
         deadline: options.timeout.map(|timeout| begun + timeout),
         cancel: options.cancel,
@@ -192,7 +203,6 @@ pub fn solve(
         ..limits
     };
     let mut grounded = ground(domain, problem, attachments, &whole);
-    let mut found: Option<SolveReport> = None;
     let mut widths = WIDTHS.iter();
     if fitting < most && matches!(grounded, Err(GroundingError::TooManyOperators { .. })) {
         // A part may fit.
@@ -205,17 +215,14 @@ pub fn solve(
                 None => ground(domain, problem, attachments, &limits),
             };
         }
+        if let Some(outcome) = grounded.as_ref().err().and_then(gave_up_by) {
+            return Ok(ended(outcome, begun, found.take()));
+        }
         let task = match (grounded, found.take()) {
             (Ok(task), Some(narrow)) => {
                 return widened(&task, attachments, options, begun, narrow, improved);
             }
             (Ok(task), None) => task,
-            (Err(GroundingError::TimedOut), narrow) => {
-                return Ok(ended(Outcome::TimedOut, begun, narrow));
-            }
-            (Err(GroundingError::Cancelled), narrow) => {
-                return Ok(ended(Outcome::Cancelled, begun, narrow));
-            }
             (Err(GroundingError::TooManyOperators { .. }), narrow) if fitting < most => {
                 return Ok(ended(Outcome::OutOfMemory, begun, narrow));
             }
@@ -233,8 +240,17 @@ pub fn solve(
         if !task.partial || report.limit.is_some() || options.first_plan_only && has_plan(&report) {
             return Ok(report);
         }
-        found = has_plan(&report).then_some(report);
+        found.replace(has_plan(&report).then_some(report));
         grounded = Err(GroundingError::TooManyCandidates);
+    }
+}
+
+/// The outcome of a run whose grounding a limit or a request ended.
+fn gave_up_by(error: &GroundingError) -> Option<Outcome> {
+    match error {
+        GroundingError::TimedOut => Some(Outcome::TimedOut),
+        GroundingError::Cancelled => Some(Outcome::Cancelled),
+        _ => None,
     }
 }
 

@@ -138,3 +138,24 @@ fn times_have_no_dust() {
     });
     assert!(report.is_ok() && steps > 0);
 }
+
+#[test]
+fn grounding_that_is_stopped_tells_it_before_it_returns() {
+    let (domain, problem) = visits(9);
+    let cancel = AtomicBool::new(true);
+    let told = Mutex::new(Vec::new());
+    let listener = |report: &SolveReport| told.lock().expect("a lock").push(report.clone());
+    let options = SolveOptions {
+        cancel: Some(&cancel),
+        stopped: Some(Stopped(&listener)),
+        ..SolveOptions::default()
+    };
+    let report = solve(&domain, &problem, &NoAttachments, &options, &mut |_| {}).expect("a report");
+    let told = told.into_inner().expect("told");
+    assert_eq!(told.len(), 1);
+    assert_eq!(told[0].outcome, Outcome::Cancelled);
+    assert_eq!(
+        (told[0].limit, report.limit),
+        (Some(Limit::Cancelled), Some(Limit::Cancelled))
+    );
+}

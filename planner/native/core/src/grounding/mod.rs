@@ -54,6 +54,18 @@ pub struct GroundingLimits<'a> {
     pub deadline: Option<Instant>,
     /// Set by somebody else to give up.
     pub cancel: Option<&'a AtomicBool>,
+    /// Told of either before what was built so far is given back, which takes its time.
+    pub gave_up: Option<GaveUp<'a>>,
+}
+
+/// Who is told that grounding has given up.
+#[derive(Clone, Copy)]
+pub struct GaveUp<'a>(pub &'a dyn Fn(&GroundingError));
+
+impl std::fmt::Debug for GaveUp<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str("GaveUp")
+    }
 }
 
 impl Default for GroundingLimits<'_> {
@@ -64,25 +76,30 @@ impl Default for GroundingLimits<'_> {
             disjuncts: 1_000,
             deadline: None,
             cancel: None,
+            gave_up: None,
         }
     }
 }
 
 impl GroundingLimits<'_> {
     fn check(&self) -> Result<(), GroundingError> {
-        if self
+        let error = if self
             .cancel
             .is_some_and(|cancel| cancel.load(Ordering::Relaxed))
         {
-            return Err(GroundingError::Cancelled);
-        }
-        if self
+            GroundingError::Cancelled
+        } else if self
             .deadline
             .is_some_and(|deadline| Instant::now() >= deadline)
         {
-            return Err(GroundingError::TimedOut);
+            GroundingError::TimedOut
+        } else {
+            return Ok(());
+        };
+        if let Some(gave_up) = self.gave_up {
+            gave_up.0(&error);
         }
-        Ok(())
+        Err(error)
     }
 }
 
