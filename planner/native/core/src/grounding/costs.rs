@@ -1,5 +1,7 @@
 //! Values of attachments that depend on their arguments only: asked for in batches, kept for ever.
 
+use std::time::{Duration, Instant};
+
 use rustc_hash::FxHashMap;
 
 use crate::attachment::{AttachmentError, Attachments, Purity};
@@ -10,8 +12,11 @@ use super::{GroundingError, GroundingLimits};
 
 type Arguments = Box<[ObjectId]>;
 
-/// Calls in one batch: some milliseconds' worth.
-const BATCH: usize = 4_096;
+/// Calls in the first batch of a module, and in any.
+const FIRST_BATCH: usize = 256;
+const LARGEST_BATCH: usize = 8_192;
+/// What a batch should take: the limits are looked at in between.
+const BATCH_TIME: Duration = Duration::from_millis(10);
 
 /// The memo and the calls it still lacks.
 pub(super) struct Costs<'a> {
@@ -67,9 +72,19 @@ impl<'a> Costs<'a> {
             let mut wanted = std::mem::take(&mut self.wanted[module]);
             wanted.sort_by(|left, right| left.0.cmp(&right.0));
             wanted.dedup_by(|left, right| left.0 == right.0);
-            for batch in wanted.chunks(BATCH) {
+            let (mut rest, mut length) = (wanted.as_slice(), FIRST_BATCH);
+            while !rest.is_empty() {
                 limits.check()?;
+                let begun = Instant::now();
+                let (batch, later) = rest.split_at(length.min(rest.len()));
                 self.evaluate_batch(world, module, batch)?;
+                rest = later;
+                // Some attachments compute a path, others look a number up.
+                length = if begun.elapsed() > BATCH_TIME {
+                    (length / 2).max(1)
+                } else {
+                    (length * 2).min(LARGEST_BATCH)
+                };
             }
         }
         Ok(())
