@@ -96,7 +96,7 @@ impl Workshop {
             if stop() {
                 return false;
             }
-            let label = self.label(goal, labelling);
+            let label = self.label(goal, labelling, stop);
             // Non-negative floats are ordered like their bits.
             let key = label.max(0.0).to_bits();
             if label.is_finite()

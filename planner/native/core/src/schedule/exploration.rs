@@ -42,8 +42,11 @@ pub struct Restriction {
     pub with: Option<u32>,
 }
 
+/// Labels settled between two looks at whether to go on.
+const STOP_PERIOD: u64 = 256;
+
 /// What to explore: from the state behind a list to one proposition.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Question<'a> {
     pub model: &'a Model,
     pub propositions: &'a Propositions,
@@ -51,6 +54,8 @@ pub struct Question<'a> {
     pub target: u32,
     pub labelling: Labelling,
     pub restriction: Restriction,
+    /// Whether to give up: then the target counts as out of reach.
+    pub stop: &'a dyn Fn() -> bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -180,6 +185,9 @@ impl Exploration {
             }
             label.stamp += 1;
             self.settled += 1;
+            if self.settled.is_multiple_of(STOP_PERIOD) && (question.stop)() {
+                break;
+            }
             if proposition == target {
                 return label.time + labelling.effort * label.cost;
             }
@@ -250,6 +258,7 @@ impl Exploration {
             target,
             labelling,
             restriction,
+            ..
         } = *question;
         let rule = &propositions.rules[rule_index as usize];
         let acts = rule.operator != NONE;

@@ -151,7 +151,7 @@ impl Workshop {
     }
 
     /// The label of a proposition behind the list, infinite if the relaxation does not reach it.
-    pub fn label(&mut self, target: u32, labelling: Labelling) -> f32 {
+    pub fn label(&mut self, target: u32, labelling: Labelling, stop: &dyn Fn() -> bool) -> f32 {
         let mut plan = self.plans.pop().unwrap_or_default();
         let label = self.exploration.relaxed_plan(
             Question {
@@ -161,6 +161,7 @@ impl Workshop {
                 target,
                 labelling,
                 restriction: Restriction::default(),
+                stop,
             },
             &mut plan,
         );
@@ -212,6 +213,7 @@ impl Workshop {
                     target,
                     labelling,
                     restriction,
+                    stop,
                 },
                 plan,
             );
