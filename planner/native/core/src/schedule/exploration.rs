@@ -42,8 +42,8 @@ pub struct Restriction {
     pub with: Option<u32>,
 }
 
-/// Labels settled between two looks at whether to go on.
-const STOP_PERIOD: u64 = 256;
+/// Rules looked at between two looks at whether to go on.
+const STOP_PERIOD: usize = 8_192;
 
 /// What to explore: from the state behind a list to one proposition.
 #[derive(Clone, Copy)]
@@ -177,6 +177,7 @@ impl Exploration {
             self.fire(question, *rule, distance, &mut bound);
         }
         let weight = self.weight(labelling);
+        let mut looked = 0;
         while let Some(Reverse(entry)) = self.queue.pop() {
             let proposition = entry as u32;
             let label = &mut self.labels[proposition as usize];
@@ -185,9 +186,6 @@ impl Exploration {
             }
             label.stamp += 1;
             self.settled += 1;
-            if self.settled.is_multiple_of(STOP_PERIOD) && (question.stop)() {
-                break;
-            }
             if proposition == target {
                 return label.time + labelling.effort * label.cost;
             }
@@ -196,7 +194,15 @@ impl Exploration {
                 let ahead = distance.of_rule(propositions, rule);
                 ahead < f32::INFINITY && value + weight * ahead < bound
             };
-            for rule in propositions.watching.row(proposition) {
+            let watching = propositions.watching.row(proposition);
+            looked += 1 + watching.len();
+            if looked > STOP_PERIOD {
+                if (question.stop)() {
+                    break;
+                }
+                looked = 0;
+            }
+            for rule in watching {
                 if leads(*rule, bound) {
                     self.fire(question, *rule, distance, &mut bound);
                 }
