@@ -134,7 +134,7 @@ class Formulation(ABC):
         return state.meeting_points
 
     @abstractmethod
-    def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
+    def attainable(self, world: World, cost: PathCost, state: MissionState) -> frozenset[str]:
         """Ids of the targets that the team can visit, as far as is known (delete relaxation)."""
 
     @staticmethod

@@ -71,7 +71,12 @@ class DisasterFormulation(Formulation):
             return [(action, ids)]
         return [(action.removesuffix("-from-blockade"), (robot.id, here, *ids[2:]))]
 
-    def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
+    def attainable(
+        self,
+        world: World,  # noqa: ARG002 - whoever gets to a target here can explore it
+        cost: PathCost,
+        state: MissionState,
+    ) -> frozenset[str]:
         names = self.names(state)
         blockades = {names.name(blockade.id) for blockade in state.blockades}
         goals = {names.name(target.id) for target in state.targets}

@@ -19,7 +19,7 @@ from domains.mission_state import Activity, MeetingPoint, MissionState, RobotSta
 from domains.naming import Names
 from domains.pddl_text import ProblemText
 from planner import Step
-from semantic_attachments.world import World
+from semantic_attachments.world import RobotModel, World
 
 SOONEST_S = 0.1
 """A timed literal lies after time 0, also for an activity that should have ended by now."""
@@ -51,9 +51,8 @@ class MarsupialFormulation(Formulation):
             if robot.type == "carrier":
                 text.fluent("num_docked", robot.id, value=aboard[robot.id])
                 text.fluent("capacity", robot.id, value=state.capacities.get(robot.id, 0))
-            for target in state.targets:
-                if world.grid.terrain_class_at(target.position_m) in model.enters:
-                    text.fact("can_explore", robot.id, target.id)
+            for own in _own(world, model, state):
+                text.fact("can_explore", robot.id, own)
             self._write_position(text, robot, state)
         for goal in goals:
             text.goal("explored", goal)
@@ -129,9 +128,9 @@ class MarsupialFormulation(Formulation):
             meeting for meeting in state.meeting_points if names.name(meeting.id) in wanted | busy
         )
 
-    def attainable(self, cost: PathCost, state: MissionState) -> frozenset[str]:
+    def attainable(self, world: World, cost: PathCost, state: MissionState) -> frozenset[str]:
         names = self.names(state)
-        goals = [names.name(target.id) for target in state.targets]
+        goals = {names.name(target.id) for target in state.targets}
         meetings = [names.name(meeting.id) for meeting in state.meeting_points]
         team = [robot for robot in state.robots if robot.activity is not Activity.FAILED]
         reached: dict[str, set[str]] = {
@@ -140,18 +139,26 @@ class MarsupialFormulation(Formulation):
             else {names.name(place_of(robot.id)), *self._meeting(robot, names)}
             for robot in team
         }
+        # A path ends near a place, which for a carrier may be on ground that only rovers enter.
+        own = {
+            robot.id: [
+                names.name(target)
+                for target in _own(world, world.robots[names.name(robot.id)], state)
+            ]
+            for robot in team
+        }
         changed = True
         while changed:
             changed = False
             for robot in team:
                 been = reached[robot.id]
-                left = [goal for goal in (*goals, *meetings) if goal not in been]
+                left = [goal for goal in (*own[robot.id], *meetings) if goal not in been]
                 arrivals = reachable(cost, names.name(robot.id), sorted(been), left)
                 if robot.type == "rover":
                     arrivals |= self._carried(robot, team, reached, set(meetings)) - been
                 changed |= bool(arrivals)
                 been |= arrivals
-        visited = set().union(*(reached[robot.id] for robot in team), set()) & set(goals)
+        visited = set().union(*(reached[robot.id] for robot in team), set()) & goals
         return frozenset(names.id(name) for name in visited)
 
     @staticmethod
@@ -180,3 +187,12 @@ class MarsupialFormulation(Formulation):
 FORMULATION = MarsupialFormulation(
     Path(__file__).parent, ["pathCost", "exploreCost", "dockCost", "undockCost"]
 )
+
+
+def _own(world: World, model: RobotModel, state: MissionState) -> list[str]:
+    """The targets on ground that a robot enters."""
+    return [
+        target.id
+        for target in state.targets
+        if world.grid.terrain_class_at(target.position_m) in model.enters
+    ]

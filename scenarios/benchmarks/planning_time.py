@@ -76,7 +76,7 @@ def measured(size: int, seed: int, limit_s: float) -> Measurement | None:
     models = {name: RobotModel(name, radius_m=0.33, speed_m_s=1.0) for name in TEAM}
     world = formulation.world(state, grid, models)
     attachments = bind(formulation.attachments, world)
-    goals = formulation.attainable(attachments["pathCost"], state)
+    goals = formulation.attainable(world, attachments["pathCost"], state)
     if not goals:
         return None
     problem = formulation.problem(world, state, sorted(goals))

@@ -136,11 +136,14 @@ class Planning:
     def propose(self) -> Proposal:
         """The plan in force if it is as good, a new one otherwise."""
         state = self.state
-        goals = self.formulation.attainable(self.attachments["pathCost"], state)
+        goals = self._attainable(state)
         unreachable = frozenset(target.id for target in state.targets) - goals
+        explores = self.situation.explores_with_carriers
+        if not goals and explores:
+            # Somebody may get near enough to see what is there.
+            raise PlanNotFoundError(f"no robot can enter {_listed(unreachable)}")
         if not goals:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
-        explores = self.situation.explores_with_carriers
         goes_on = self.situation.hurried or (explores and self.situation.only_map_changed)
         if goes_on and (kept := self._kept(None, goals)) is not None:
             return kept
@@ -161,6 +164,9 @@ class Planning:
             unreachable=unreachable,
             remarks=self._remarks(plan, unreachable),
         )
+
+    def _attainable(self, state: MissionState) -> frozenset[str]:
+        return self.formulation.attainable(self.world, self.attachments["pathCost"], state)
 
     # Plans
 
@@ -212,8 +218,7 @@ class Planning:
                 for robot in state.robots
             ),
         )
-        attainable = self.formulation.attainable(self.attachments["pathCost"], rest_state)
-        rest = sorted(attainable & set(goals) - set(urgent))
+        rest = sorted(self._attainable(rest_state) & set(goals) - set(urgent))
         if not rest:
             return first
         try:

@@ -24,6 +24,10 @@ def cost_of(state: MissionState) -> PathCost:
     return bind(["pathCost"], world_of(state))["pathCost"]
 
 
+def attainable(state: MissionState) -> frozenset[str]:
+    return FORMULATION.attainable(world_of(state), cost_of(state), state)
+
+
 def with_robot(state: MissionState, changed: RobotState) -> MissionState:
     robots = tuple(changed if robot.id == changed.id else robot for robot in state.robots)
     return replace(state, robots=robots)
@@ -64,14 +68,14 @@ def test_a_failed_robot_takes_no_part() -> None:
     failed = replace(state.robots[1], activity=Activity.FAILED)
     state = with_robot(state, failed)
     assert "clearer_1" not in FORMULATION.problem(world_of(state), state)
-    assert FORMULATION.attainable(cost_of(state), state) == frozenset()
+    assert attainable(state) == frozenset()
 
 
 def test_what_can_be_reached_after_clearing_is_attainable() -> None:
     state = examples.passage()
-    assert FORMULATION.attainable(cost_of(state), state) == {"target_1"}
+    assert attainable(state) == {"target_1"}
     walled_in = replace(state, targets=(*state.targets, Target("target_2", (6.5, 0.5))))
-    assert FORMULATION.attainable(cost_of(walled_in), walled_in) == {"target_1"}
+    assert attainable(walled_in) == {"target_1"}
 
 
 def test_ids_of_any_kind_become_names_and_come_back() -> None:

@@ -3,7 +3,10 @@
 from dataclasses import replace
 from math import isfinite
 
+import numpy as np
+
 import domains
+import planner
 from domains import Activity, MissionState, RobotState
 from domains.formulation import OrderKind, PathCost
 from planner import Plan, Step
@@ -20,6 +23,10 @@ def world_of(state: MissionState) -> World:
 
 def cost_of(state: MissionState) -> PathCost:
     return bind(["pathCost"], world_of(state))["pathCost"]
+
+
+def attainable(state: MissionState) -> frozenset[str]:
+    return FORMULATION.attainable(world_of(state), cost_of(state), state)
 
 
 def with_robot(state: MissionState, identifier: str, **changes: object) -> MissionState:
@@ -40,9 +47,9 @@ def test_only_rovers_pass_the_doors() -> None:
 
 def test_rooms_are_attainable_as_long_as_there_is_a_rover() -> None:
     state = examples.annex(1, 1, 2)
-    assert FORMULATION.attainable(cost_of(state), state) == {t.id for t in state.targets}
+    assert attainable(state) == {t.id for t in state.targets}
     alone = with_robot(state, "rover_1_1", activity=Activity.FAILED)
-    assert FORMULATION.attainable(cost_of(alone), alone) == {"hall_west", "hall_east"}
+    assert attainable(alone) == {"hall_west", "hall_east"}
 
 
 def test_a_rover_left_in_a_room_can_be_fetched_and_brought_to_another() -> None:
@@ -53,7 +60,7 @@ def test_a_rover_left_in_a_room_can_be_fetched_and_brought_to_another() -> None:
         partner=None,
         position_m=(2.6, 3.4),
     )
-    assert "room_2" in FORMULATION.attainable(cost_of(state), state)
+    assert "room_2" in attainable(state)
 
 
 def test_terrain_decides_who_can_explore() -> None:
@@ -69,6 +76,26 @@ def test_terrain_decides_who_can_explore() -> None:
     assert "(can_explore rover_1_1 room_1)" in text
     assert "(can_explore carrier_1 room_1)" not in text
     assert "(can_explore carrier_1 hall_west)" in text
+
+
+def test_a_target_that_a_carrier_only_gets_near_is_not_its_to_explore() -> None:
+    """Paths end near their goals; the plan knows who may stand on which ground."""
+    state = examples.annex(1, 1, 2)
+    hall = next(target for target in state.targets if target.id == "hall_west")
+    column, row = (round(value / 0.1) for value in hall.position_m)
+    terrain = np.zeros(GRID.cells.shape, dtype="uint8")
+    terrain[row - 3 : row + 4, column - 3 : column + 4] = 1
+    grid = GridMap(GRID.cells, 0.1, terrain=terrain, terrain_classes=("default", "rover_only"))
+    alone = with_robot(state, "rover_1_1", activity=Activity.FAILED)
+    world = FORMULATION.world(alone, grid, examples.MARSUPIAL_TYPES)
+    cost = bind(["pathCost"], world)["pathCost"]
+    assert isfinite(cost("carrier_1", "carrier_1_place", "hall_west"))
+    goals = FORMULATION.attainable(world, cost, alone)
+    assert goals == {"hall_east"}
+    text = FORMULATION.problem(world, alone, sorted(goals))
+    assert planner.solve(
+        FORMULATION.domain_path, text.encode(), attachments=bind(FORMULATION.attachments, world)
+    ).plan
 
 
 def test_docking_under_way_ends_by_timed_literals() -> None:
