@@ -123,7 +123,7 @@ def compare(
 ) -> list[Comparison]:
     """One comparison for each map and team, Holm-corrected over the teams of a map."""
     found: dict[str, list[Comparison]] = defaultdict(list)
-    for (map_name, team), cell in sorted(cells(rows).items()):
+    for (map_name, team), cell in cells(rows).items():
         made = _compare_cell((map_name, team), cell, strategy, reference, measure)
         if made is not None:
             found[map_name].append(made)
@@ -137,7 +137,7 @@ def compare(
 def over_placements(rows: Sequence[Row], map_name: str, strategy: str, reference: str) -> Interval:
     """Share of time saved on a map over all teams, with its placements as a random effect."""
     by_placement: dict[Any, list[float]] = defaultdict(list)
-    for (name, _), cell in sorted(cells(rows).items()):
+    for (name, _), cell in cells(rows).items():
         if name == map_name:
             for own, other in pairs(cell, strategy, reference):
                 saved = (other["duration_s"] - own["duration_s"]) / other["duration_s"]
@@ -146,9 +146,9 @@ def over_placements(rows: Sequence[Row], map_name: str, strategy: str, reference
 
 
 def cells(rows: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
-    """Rows by map and team."""
+    """Rows by map and team, small teams first."""
     grouped: dict[tuple[str, str], list[Row]] = defaultdict(list)
-    for row in rows:
+    for row in sorted(rows, key=lambda row: (row["map"], row["robots"], row["team"])):
         grouped[row["map"], row["team"]].append(row)
     return grouped
 

@@ -93,9 +93,8 @@ def test_a_target_that_a_carrier_only_gets_near_is_not_its_to_explore() -> None:
     goals = FORMULATION.attainable(world, cost, alone)
     assert goals == {"hall_east"}
     text = FORMULATION.problem(world, alone, sorted(goals))
-    assert planner.solve(
-        FORMULATION.domain_path, text.encode(), attachments=bind(FORMULATION.attachments, world)
-    ).plan
+    attachments = bind(FORMULATION.attachments, world)
+    assert planner.solve(FORMULATION.domain_path, text, attachments=attachments).plan
 
 
 def test_docking_under_way_ends_by_timed_literals() -> None:

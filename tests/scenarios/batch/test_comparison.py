@@ -17,7 +17,7 @@ from scenarios.batch.comparison import (
 
 
 def row(strategy: str, seed: int, duration_s: float, **more: object) -> Row:
-    common = {"map": "m", "map_seed": seed % 2, "team": "t", "status": "completed"}
+    common = {"map": "m", "map_seed": seed % 2, "team": "t", "robots": 2, "status": "completed"}
     return {**common, "strategy": strategy, "seed": seed, "duration_s": duration_s, **more}
 
 

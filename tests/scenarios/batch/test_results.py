@@ -29,6 +29,7 @@ def rows() -> list[Row]:
                 "map": spec.map_name,
                 "map_seed": None,
                 "team": spec.team_name,
+                "robots": sum(count for _, count in spec.team),
                 "seed": spec.seed,
                 "strategy": spec.strategy,
                 "status": "completed",
