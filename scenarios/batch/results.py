@@ -93,9 +93,11 @@ def page(found: Findings) -> str:
 
 
 def percent(share: Interval) -> str:
-    """`12.3 % (10.1 to 14.5)`, or that no pair of runs completed."""
+    """`12.3 % (10.1 to 14.5)`, no interval if it has no width, or that no pair completed."""
     if isnan(share.mean):
         return "no completed pair"
+    if share.low == share.high:
+        return f"{100 * share.mean:.1f} %"
     return f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f})"
 
 
@@ -145,15 +147,21 @@ def _number(value: float | None) -> str:
 
 def _cells(c: Comparison) -> list[str]:
     digits = 0 if c.measure.less_is_better else 2
+    tests = ["-", "-", "-"]
+    # One pair says nothing of chance.
+    if c.pairs > 1:
+        tests = [
+            f"{c.holm_p:.2g}{' *' if c.significant else ''}",
+            f"{c.wilcoxon_p:.2g}",
+            f"{c.effect.mean:.2f} ({c.effect.low:.2f} to {c.effect.high:.2f})",
+        ]
     return [
         c.team,
         c.reference,
         f"{c.value.mean:.{digits}f}",
         f"{c.reference_value.mean:.{digits}f}",
         percent(c.gain),
-        f"{c.holm_p:.2g}{' *' if c.significant else ''}",
-        f"{c.wilcoxon_p:.2g}",
-        f"{c.effect.mean:.2f} ({c.effect.low:.2f} to {c.effect.high:.2f})",
+        *tests,
         f"{c.wins} / {c.losses}",
         str(c.pairs),
         f"{c.failures} / {c.reference_failures}",

@@ -69,6 +69,13 @@ def test_without_a_completed_pair_it_says_so() -> None:
     assert "nan" not in page(findings(SUITE, failed))
 
 
+def test_a_single_pair_has_no_test_and_no_interval(tmp_path: Path) -> None:
+    write(findings(SUITE, [row for row in rows() if row["seed"] == 2]), tmp_path)
+    lines = (tmp_path / "report.md").read_text(encoding="utf-8").splitlines()
+    (line,) = (line for line in lines if line.startswith("| 1 explorer + 1 clearer | hungarian"))
+    assert "| 23.1 % | - | - | - |" in line
+
+
 def test_files_hold_every_row(tmp_path: Path) -> None:
     write(findings(SUITE, rows()), tmp_path)
     with (tmp_path / "runs.csv").open(encoding="utf-8") as file:
