@@ -148,7 +148,7 @@ def over_placements(rows: Sequence[Row], map_name: str, strategy: str, reference
 def cells(rows: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
     """Rows by map and team, small teams first."""
     grouped: dict[tuple[str, str], list[Row]] = defaultdict(list)
-    for row in sorted(rows, key=lambda row: (row["map"], row["robots"], row["team"])):
+    for row in sorted(rows, key=lambda row: (row["map"], row.get("robots", 0), row["team"])):
         grouped[row["map"], row["team"]].append(row)
     return grouped
 
