@@ -241,6 +241,9 @@ pub fn run(
     let stopped = |incumbent: &mut Incumbent<'_>| match options.interrupted(begun) {
         Some(outcome) => {
             incumbent.close(outcome);
+            if let Some(listener) = options.stopped {
+                listener.0(incumbent.report);
+            }
             true
         }
         None => false,

@@ -43,7 +43,7 @@ pub struct Restriction {
 }
 
 /// Rules looked at between two looks at whether to go on.
-const STOP_PERIOD: usize = 8_192;
+const STOP_PERIOD: usize = 4_096;
 
 /// What to explore: from the state behind a list to one proposition.
 #[derive(Clone, Copy)]
@@ -196,12 +196,6 @@ impl Exploration {
             };
             let watching = propositions.watching.row(proposition);
             looked += 1 + watching.len();
-            if looked > STOP_PERIOD {
-                if (question.stop)() {
-                    break;
-                }
-                looked = 0;
-            }
             for rule in watching {
                 if leads(*rule, bound) {
                     self.fire(question, *rule, distance, &mut bound);
@@ -210,10 +204,17 @@ impl Exploration {
             let mut rule = self.first_waiting(proposition);
             while rule != NONE {
                 let next = self.behind[rule as usize];
+                looked += 1;
                 if leads(rule, bound) {
                     self.fire(question, rule, distance, &mut bound);
                 }
                 rule = next;
+            }
+            if looked > STOP_PERIOD {
+                if (question.stop)() {
+                    break;
+                }
+                looked = 0;
             }
         }
         f32::INFINITY
