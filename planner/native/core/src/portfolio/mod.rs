@@ -164,9 +164,8 @@ impl<'a> Setting<'a> {
 
     /// Tells how a limit ended the search, if one did.
     fn tell_stopped(&self, incumbent: &mut Incumbent<'_>, outcome: Outcome) {
-        if let (Some(stopped), true) = (self.options.stopped, outcome.limit().is_some()) {
-            incumbent.close(outcome);
-            stopped.0(incumbent.report);
+        if outcome.limit().is_some() {
+            close_stopped(self.options, incumbent, outcome);
         }
     }
 
@@ -240,10 +239,7 @@ pub fn run(
     }
     let stopped = |incumbent: &mut Incumbent<'_>| match options.interrupted(begun) {
         Some(outcome) => {
-            incumbent.close(outcome);
-            if let Some(listener) = options.stopped {
-                listener.0(incumbent.report);
-            }
+            close_stopped(options, &mut *incumbent, outcome);
             true
         }
         None => false,
@@ -306,6 +302,14 @@ pub fn run(
     };
     incumbent.close(outcome);
     Ok(())
+}
+
+/// Closes the report of a search that a limit or a request ended, and tells it.
+fn close_stopped(options: &SolveOptions<'_>, incumbent: &mut Incumbent<'_>, outcome: Outcome) {
+    incumbent.close(outcome);
+    if let Some(listener) = options.stopped {
+        listener.0(incumbent.report);
+    }
 }
 
 /// Whether the empty plan reaches the goal and nothing but the makespan counts.

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-use crate::schedule::exploration::{Labelling, Restriction};
+use crate::schedule::question::{Labelling, Restriction};
 use crate::schedule::workshop::Workshop;
 
 /// Rounds over the goals: achieving one may destroy another.

@@ -30,6 +30,7 @@ mod objective;
 mod optimiser;
 mod promptness;
 mod propositions;
+mod question;
 mod repair;
 mod rows;
 mod state;

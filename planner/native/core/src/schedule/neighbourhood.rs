@@ -2,9 +2,9 @@
 
 use rand::RngExt;
 
-use crate::schedule::exploration::Restriction;
 use crate::schedule::links::{Element, Role};
 use crate::schedule::model::NONE;
+use crate::schedule::question::Restriction;
 use crate::schedule::repair::Item;
 use crate::schedule::workshop::Workshop;
 use crate::task::Task;

@@ -4,9 +4,9 @@
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-use crate::schedule::exploration::{Labelling, Restriction};
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::model::NONE;
+use crate::schedule::question::{Labelling, Restriction};
 use crate::schedule::workshop::Workshop;
 
 /// One entry of a changed list.

@@ -4,12 +4,13 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::schedule::exploration::{Exploration, Labelling, Question, Restriction};
+use crate::schedule::exploration::Exploration;
 use crate::schedule::lower_bound::goal_bounds;
 use crate::schedule::model::{Model, NONE};
 use crate::schedule::objective::Objective;
 use crate::schedule::promptness::Promptness;
 use crate::schedule::propositions::Propositions;
+use crate::schedule::question::{Labelling, Question, Restriction};
 use crate::schedule::state::{Dispatch, State};
 use crate::task::Task;
 
