@@ -203,7 +203,8 @@ class Search:
         """The next event; None if there was none for that long."""
     def progress(self) -> tuple[int, float]:
         """States expanded and plans built so far, and the lower bound."""
-    def cancel(self) -> None: ...
+    def cancel(self) -> None:
+        """Asks it to stop; its end is told within 50 ms, unless an attachment takes longer."""
 
 def read_domain(text: bytes, name: str) -> tuple[Domain | None, list[Diagnostic]]: ...
 def read_problem(

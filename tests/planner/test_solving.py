@@ -1,10 +1,14 @@
 """Limits of a search, and two threads."""
 
+import threading
+import time
+from typing import Any
+
 import pytest
 
 import planner
-from planner import solving
-from planner.solving import Limits
+from planner import _core, solving
+from planner.solving import Limits, Space
 from tests.planner.problems import MATCH_CELLAR
 
 
@@ -15,9 +19,9 @@ def test_time_that_is_spent_is_taken_off(monkeypatch: pytest.MonkeyPatch) -> Non
     assert Limits(timeout_s=None).since(100.0).timeout_s is None
 
 
-def test_two_threads_reach_and_prove_what_one_does() -> None:
+def test_two_threads_reach_what_one_does() -> None:
     one, two = (
-        planner.solve(MATCH_CELLAR.domain, MATCH_CELLAR.problem, threads=threads)
+        planner.solve(MATCH_CELLAR.domain, MATCH_CELLAR.problem, timeout_s=2.0, threads=threads)
         for threads in (1, 2)
     )
     assert one.plan is not None
@@ -26,3 +30,76 @@ def test_two_threads_reach_and_prove_what_one_does() -> None:
     assert two.outcome == one.outcome
     makespans = [plan.makespan for plan in two.plans]
     assert makespans == sorted(makespans, reverse=True)
+
+
+def search(
+    problem: planner.Problem, attachments: dict[str, Any], timeout_s: float | None
+) -> _core.Search:
+    return _core.Search(
+        problem,
+        attachments,
+        timeout_s=timeout_s,
+        seed=0,
+        threads=1,
+        node_limit=None,
+        memory_limit=None,
+        first_plan_only=False,
+        warm_start=None,
+        heuristic=None,
+        space=Space.PORTFOLIO,
+        promptness=0.0,
+    )
+
+
+def test_a_search_that_cannot_tell_its_end_in_time_is_not_waited_for() -> None:
+    # The facts alone take longer than a search has after its deadline.
+    places = " ".join(f"p{number}" for number in range(600))
+    facts = " ".join(f"(road p{one} p{other})" for one in range(600) for other in range(0, 600, 3))
+    problem = planner.read_problem(
+        """(define (domain roads) (:requirements :typing :durative-actions) (:types place)
+             (:predicates (at ?p - place) (road ?a ?b - place))
+             (:durative-action go :parameters (?a ?b - place) :duration (= ?duration 1)
+               :condition (and (at start (at ?a)) (at start (road ?a ?b)))
+               :effect (and (at start (not (at ?a))) (at end (at ?b)))))""",
+        f"(define (problem far) (:domain roads) (:objects {places} - place)"
+        f" (:init (at p0) {facts}) (:goal (at p599)))",
+    )
+    running = search(problem, {}, timeout_s=0.0)
+    event = running.next(60.0)
+    assert event is not None
+    assert event.report is not None
+    assert (event.report.outcome, event.report.limit) == ("timed_out", "time")
+    assert running.next(0.5) is None
+
+
+def test_an_attachment_under_way_is_waited_for_and_none_is_called_afterwards() -> None:
+    problem = planner.read_problem(
+        """(define (domain ways) (:requirements :typing :durative-actions) (:types place)
+             (:modules (way ?a ?b - place cost way@roads))
+             (:predicates (at ?p - place))
+             (:durative-action go :parameters (?a ?b - place) :duration (= ?duration [way ?a ?b])
+               :condition (at start (at ?a))
+               :effect (and (at start (not (at ?a))) (at end (at ?b)))))""",
+        "(define (problem far) (:domain ways) (:objects a b c d - place)"
+        " (:init (at a)) (:goal (at d)))",
+    )
+    called, calls, returns = threading.Event(), [], []
+
+    def way(*places: str) -> float:
+        calls.append(places)
+        called.set()
+        time.sleep(0.03)
+        returns.append(places)
+        return 1.0
+
+    running = search(problem, {"way": way}, timeout_s=None)
+    assert called.wait(60.0)
+    running.cancel()
+    event = running.next(60.0)
+    assert event is not None
+    assert event.report is not None
+    assert event.report.limit == "cancelled"
+    assert calls == returns
+    time.sleep(0.3)
+    assert calls == returns
+    assert running.next(0.0) is None

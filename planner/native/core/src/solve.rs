@@ -11,7 +11,7 @@ use crate::outcome::{Limit, Outcome};
 use crate::pddl::model::{Domain, Problem};
 use crate::plan::Plan;
 use crate::portfolio;
-use crate::progress::Progress;
+use crate::progress::{Counts, Progress};
 use crate::task::Task;
 
 /// What bounds and steers a run.
@@ -142,6 +142,21 @@ pub struct SolveReport {
     pub grounding_s: f64,
 }
 
+impl SolveReport {
+    /// What was done, without how it ended.
+    pub(crate) fn counts(&self) -> Counts {
+        Counts {
+            expansions: self.expansions,
+            evaluations: self.evaluations,
+            schedules: self.schedules,
+            operators: self.operators,
+            facts: self.facts,
+            lower_bound: self.lower_bound,
+            grounding_s: self.grounding_s,
+        }
+    }
+}
+
 /// Why a run failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
@@ -241,6 +256,9 @@ pub fn solve(
             return Ok(report);
         }
         found.replace(has_plan(&report).then_some(report));
+        if let Some(progress) = options.progress {
+            progress.widen();
+        }
         grounded = Err(GroundingError::TooManyCandidates);
     }
 }
@@ -330,6 +348,9 @@ pub fn solve_task(
     let mut report = empty(Outcome::ProvenUnsolvable, begun);
     report.operators = task.operators.len();
     report.facts = task.facts.len();
+    if let Some(progress) = options.progress {
+        progress.tell(report.counts());
+    }
     let told = |report: &SolveReport| {
         if let Some(stopped) = options.stopped {
             let mut report = report.clone();

@@ -1,6 +1,6 @@
 //! Python callables as attachments: the GIL is taken once for a batch, exceptions are kept for the façade.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 
 use planner_core::attachment::{Arguments, AttachmentError, Attachments, Purity, StateView};
 use planner_core::pddl::model::{self, ModuleId};
@@ -38,6 +38,8 @@ pub struct PythonAttachments {
     symbols: Arc<Symbols>,
     /// The first exception that an attachment raised.
     exception: Mutex<Option<PyErr>>,
+    /// Whether Python may no longer be called; calls under way hold it.
+    closed: RwLock<bool>,
 }
 
 impl PythonAttachments {
@@ -65,7 +67,24 @@ impl PythonAttachments {
                 .collect(),
             symbols: Arc::new(Symbols::new(domain, problem)),
             exception: Mutex::new(None),
+            closed: RwLock::new(false),
         })
+    }
+
+    /// No call is made from now on, so that a search which nobody waits for can outlive the
+    /// interpreter; false if one is under way.
+    pub fn close(&self) -> bool {
+        let closed = self.closed.try_write().map(|mut closed| *closed = true);
+        closed.is_ok()
+    }
+
+    /// To be held during a call.
+    fn open(&self) -> Result<RwLockReadGuard<'_, bool>, String> {
+        let closed = self.closed.read().unwrap_or_else(PoisonError::into_inner);
+        if *closed {
+            return Err("the search is over".into());
+        }
+        Ok(closed)
     }
 
     /// Takes the first exception that an attachment raised.
@@ -177,6 +196,7 @@ impl Attachments for PythonAttachments {
         state: Option<&dyn StateView>,
     ) -> Result<Vec<f64>, (usize, String)> {
         let provider = self.provider(module).map_err(|reason| (0, reason))?;
+        let _open = self.open().map_err(|reason| (0, reason))?;
         Python::attach(|py| {
             let values = match state {
                 Some(view) if provider.purity == Purity::State => {
@@ -210,6 +230,7 @@ impl Attachments for PythonAttachments {
         state: &dyn StateView,
     ) -> Result<Option<Vec<f64>>, String> {
         let provider = self.provider(module)?;
+        let _open = self.open()?;
         Python::attach(|py| {
             lend(py, state, &self.symbols, |state| {
                 let mut arguments = vec![state.clone().into_any()];

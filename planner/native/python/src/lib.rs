@@ -7,6 +7,7 @@ mod attachments;
 mod diagnostic;
 mod editor;
 mod model;
+mod overdue;
 mod panic;
 mod plan;
 mod search;

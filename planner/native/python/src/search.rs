@@ -18,11 +18,15 @@ use pyo3::types::PyDict;
 
 use crate::attachments::{FailedCall, PythonAttachments, failed_call};
 use crate::model::Problem;
+use crate::overdue::Overdue;
 use crate::panic::caught;
 use crate::plan::{StepTuple, from_tuples, to_tuples};
 
 /// How often a waiting Python thread looks for signals.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// How often an overdue search is asked for while an attachment keeps it.
+const RETRY: Duration = Duration::from_millis(1);
 
 /// Smallest time between interfering happenings that our own plans keep [s].
 const SEPARATION_S: f64 = 0.001;
@@ -89,6 +93,16 @@ pub struct Search {
     cancel: Arc<AtomicBool>,
     progress: Arc<Progress>,
     attachments: Arc<PythonAttachments>,
+    overdue: Overdue,
+    /// What the messages heard so far say.
+    heard: Mutex<Heard>,
+}
+
+/// What messages said.
+#[derive(Clone, Copy, Default)]
+struct Heard {
+    plan: bool,
+    end: bool,
 }
 
 #[pymethods]
@@ -136,6 +150,8 @@ impl Search {
             cancel: Arc::clone(&cancel),
             progress: Arc::clone(&progress),
             attachments: Arc::clone(&attachments),
+            overdue: Overdue::after(settings.timeout),
+            heard: Mutex::new(Heard::default()),
         };
         std::thread::Builder::new()
             .name("marsupial search".into())
@@ -158,10 +174,15 @@ impl Search {
     fn next(&self, py: Python<'_>, timeout_s: f64) -> PyResult<Option<Event>> {
         let deadline = Instant::now() + Duration::from_secs_f64(timeout_s.clamp(0.0, 1e6));
         loop {
+            if lock(&self.heard).end {
+                return Ok(None);
+            }
             let left = deadline.saturating_duration_since(Instant::now());
+            let overdue = self.overdue.left();
+            let wait = overdue.map_or(SIGNAL_INTERVAL, |(left, _)| left.max(RETRY));
             let received = py.detach(|| {
                 let messages = lock(&self.messages);
-                messages.recv_timeout(left.min(SIGNAL_INTERVAL))
+                messages.recv_timeout(left.min(SIGNAL_INTERVAL).min(wait))
             });
             if let Err(interrupt) = py.check_signals() {
                 self.cancel();
@@ -170,6 +191,12 @@ impl Search {
             match received {
                 Ok(message) => return Ok(Some(self.event(py, message))),
                 Err(RecvTimeoutError::Disconnected) => return Ok(None),
+                Err(RecvTimeoutError::Timeout)
+                    if let Some((Duration::ZERO, limit)) = overdue
+                        && self.attachments.close() =>
+                {
+                    return Ok(Some(self.event(py, self.given_up(limit))));
+                }
                 Err(RecvTimeoutError::Timeout) if left.is_zero() => return Ok(None),
                 Err(RecvTimeoutError::Timeout) => {}
             }
@@ -178,11 +205,13 @@ impl Search {
 
     /// States expanded and plans built so far, and the lower bound.
     fn progress(&self) -> (u64, f64) {
-        (self.progress.states(), self.progress.lower_bound())
+        let counts = self.progress.counts();
+        (counts.expansions + counts.schedules, counts.lower_bound)
     }
 
-    /// Asks the search to stop; it does so within 50 ms.
+    /// Asks it to stop; its end is told within 50 ms, unless an attachment takes longer.
     fn cancel(&self) {
+        self.overdue.cancel();
         self.cancel.store(true, Ordering::Relaxed);
     }
 }
@@ -203,6 +232,12 @@ impl Search {
             refused: None,
             internal: None,
         };
+        let mut heard = lock(&self.heard);
+        match message {
+            Message::Plan(..) => heard.plan = true,
+            _ => heard.end = true,
+        }
+        drop(heard);
         match message {
             Message::Plan(steps, metric, wall_s) => event.plan = Some((steps, metric, wall_s)),
             Message::End(report) => event.report = Some(report),
@@ -217,6 +252,31 @@ impl Search {
             }
         }
         event
+    }
+}
+
+impl Search {
+    /// The end of a search that does not tell it in time.
+    fn given_up(&self, limit: Limit) -> Message {
+        self.cancel.store(true, Ordering::Relaxed);
+        let counts = self.progress.counts();
+        let outcome = match limit {
+            _ if lock(&self.heard).plan => Outcome::Solved,
+            Limit::Time => Outcome::TimedOut,
+            _ => Outcome::Cancelled,
+        };
+        Message::End(Report::from(&SolveReport {
+            outcome,
+            limit: Some(limit),
+            plans: Vec::new(),
+            lower_bound: counts.lower_bound,
+            expansions: counts.expansions,
+            evaluations: counts.evaluations,
+            schedules: counts.schedules,
+            operators: counts.operators,
+            facts: counts.facts,
+            grounding_s: counts.grounding_s,
+        }))
     }
 }
 

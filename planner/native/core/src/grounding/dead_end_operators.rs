@@ -13,10 +13,17 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::task::{Change, FactId, GroundEffect, Operator, Task};
 
 use super::token_graph::{LARGEST_GRAPH, TokenGraph};
+use super::{GroundingError, GroundingLimits};
+
+/// Operators noted between two looks at the limits.
+const BATCH: usize = 16_384;
 
 /// Prunes the task in place. Not for tasks with attachments that change the state.
-pub(super) fn prune(task: &mut Task) {
-    let uses = Uses::new(task);
+///
+/// # Errors
+/// A limit that is reached meanwhile.
+pub(super) fn prune(task: &mut Task, limits: &GroundingLimits<'_>) -> Result<(), GroundingError> {
+    let uses = Uses::new(task, limits)?;
     let mut kept = vec![true; task.operators.len()];
     for &goal in &task.goal.positive {
         if uses.never_added(goal) && uses.initial[goal.index()] {
@@ -31,6 +38,7 @@ pub(super) fn prune(task: &mut Task) {
     for &goal in &goals {
         for fact in uses.tokens_behind(goal) {
             if looked_at.insert(fact) {
+                limits.check()?;
                 let graph = TokenGraph::new(&uses, fact);
                 graph.rule_out(&uses, &goals, &mut kept);
             }
@@ -39,6 +47,7 @@ pub(super) fn prune(task: &mut Task) {
     uses.rule_out_unsupported(task, &mut kept);
     let mut flags = kept.iter();
     task.operators.retain(|_| *flags.next().unwrap_or(&true));
+    Ok(())
 }
 
 /// Who adds, deletes and uses up facts.
@@ -57,7 +66,7 @@ pub(super) struct Uses {
 }
 
 impl Uses {
-    fn new(task: &Task) -> Self {
+    fn new(task: &Task, limits: &GroundingLimits<'_>) -> Result<Self, GroundingError> {
         let mut uses = Self {
             initial: vec![false; task.facts.len()],
             given: vec![false; task.facts.len()],
@@ -79,9 +88,12 @@ impl Uses {
             }
         }
         for (index, operator) in task.operators.iter().enumerate() {
+            if index.is_multiple_of(BATCH) {
+                limits.check()?;
+            }
             uses.note(index as u32, operator);
         }
-        uses
+        Ok(uses)
     }
 
     fn note(&mut self, index: u32, operator: &Operator) {
@@ -191,7 +203,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    use super::prune;
+    use super::{GroundingLimits, prune};
     use crate::pddl::model::ActionId;
     use crate::task::{Change, Conjunction, FactId, GroundEffect, Operator, Task};
 
@@ -236,7 +248,7 @@ mod tests {
     }
 
     fn kept(mut task: Task) -> Vec<u32> {
-        prune(&mut task);
+        prune(&mut task, &GroundingLimits::default()).unwrap();
         task.operators
             .iter()
             .map(|operator| operator.action.0)

@@ -211,7 +211,8 @@ fn ground_with(
     let mut task = assembly::assemble(&world, reached, &strata, stateful, limits)?;
     limits.check()?;
     if !stateful {
-        dead_end_operators::prune(&mut task);
+        dead_end_operators::prune(&mut task, limits)?;
+        limits.check()?;
         relevance::prune(&mut task);
     }
     task.partial = width.is_some();

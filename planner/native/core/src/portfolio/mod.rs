@@ -27,6 +27,7 @@ use crate::heuristic::critical_path::makespan_bound;
 use crate::heuristic::relaxed::RelaxedTask;
 use crate::outcome::Outcome;
 use crate::plan::{EPSILON, Plan};
+use crate::progress::Counts;
 use crate::schedule::{Optimiser, Promptness, Schedule};
 use crate::solve::{SolveError, SolveOptions, SolveReport, Space};
 use crate::task::Task;
@@ -137,18 +138,20 @@ impl<'a> Setting<'a> {
         limit.map_or(u64::MAX >> 1, |limit| limit.saturating_sub(spent))
     }
 
-    fn tell(&self, states: u64, lower_bound: f64) {
+    fn tell(&self, report: &SolveReport, expansions: u64) {
         if let Some(progress) = self.options.progress {
-            progress.tell(states, lower_bound);
+            let proves = !self.task.partial;
+            progress.tell(Counts {
+                expansions,
+                lower_bound: if proves { report.lower_bound } else { 0.0 },
+                ..report.counts()
+            });
         }
     }
 
     /// Whether there is nothing more to do, and how it ended.
     fn over(&self, incumbent: &Incumbent<'_>, expansions: u64) -> Option<Outcome> {
-        self.tell(
-            expansions + incumbent.report.schedules,
-            incumbent.report.lower_bound,
-        );
+        self.tell(incumbent.report, expansions);
         if incumbent.is_optimal() {
             return Some(Outcome::SolvedOptimally);
         }
