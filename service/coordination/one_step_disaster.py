@@ -23,6 +23,9 @@ from service.coordination.travel import Travel
 from service.coordination.urgency import assigned_by_urgency
 from service.messages.plan import PlanStep
 
+MOST_WAITING = 4
+"""Explorers that wait at one blockade: more would keep the clearer from it."""
+
 
 @dataclass(frozen=True)
 class OneStepDisaster:
@@ -83,14 +86,17 @@ def wait_at_blockades(
     targets: Sequence[str],
     memory: Memory,
 ) -> list[Assignment]:
-    """Sends explorers to the blockade on the optimistic way to their nearest target."""
+    """Sends explorers to the blockade on the optimistic way to their nearest target.
+
+    The nearest few of those that would wait at one; the others stay where they are.
+    """
     blockades = situation.state.blockades
     if not explorers or not blockades or not targets:
         return []
     opened = replace(situation, state=replace(situation.state, blockades=()))
     optimistic = Travel(opened, memory)
     times_s = optimistic.times_s(explorers, targets)
-    assignments = []
+    waiting: dict[str, list[tuple[float, int]]] = {}
     for row, robot in enumerate(explorers):
         nearest = min(range(len(targets)), key=times_s[row].__getitem__)
         if not isfinite(times_s[row][nearest]):
@@ -104,10 +110,13 @@ def wait_at_blockades(
         ]
         if reachable:
             time_s, blockade = min(reachable)
-            assignments.append(
-                Assignment(robot, OrderKind.MOVE, blockade, expected_duration_s=time_s)
-            )
-    return _unless_there(assignments, situation)
+            waiting.setdefault(blockade, []).append((time_s, row))
+    sent = {
+        row: Assignment(explorers[row], OrderKind.MOVE, blockade, expected_duration_s=time_s)
+        for blockade, candidates in waiting.items()
+        for time_s, row in sorted(candidates)[:MOST_WAITING]
+    }
+    return _unless_there([sent[row] for row in sorted(sent)], situation)
 
 
 def free(situation: Situation, robot_type: str) -> list[str]:

@@ -9,7 +9,8 @@ import pytest
 import scenarios
 from scenarios.mission_record import MissionRecord
 
-HOSPITAL = Path(scenarios.__file__).parent / "disaster" / "hospital.toml"
+DISASTER = Path(scenarios.__file__).parent / "disaster"
+HOSPITAL = DISASTER / "hospital.toml"
 Mission = Callable[..., MissionRecord]
 
 
@@ -61,3 +62,10 @@ def test_hospital_mission_of_the_demo(mission: Mission) -> None:
     for plan in record.plans:
         # A replan without a plan in time falls back to one-step orders, and says so.
         assert plan.validated or "; instead " in reasons[plan.revision]
+
+
+@pytest.mark.slow
+def test_a_hundred_robots_do_not_stand_in_each_others_way_for_ever(mission: Mission) -> None:
+    record = mission(DISASTER / "stress.toml")
+    assert_sound(record)
+    assert record.robot_collisions == 0

@@ -45,6 +45,13 @@ def test_an_explorer_with_sealed_targets_waits_at_the_blockade_or_stays(name: st
     assert ordered.get("a") == expected
 
 
+def test_only_the_nearest_explorers_wait_at_a_blockade() -> None:
+    crowd = {f"e{number}": 2.0 + 3.0 * number for number in range(6)}
+    told = orders("hungarian", corridor(crowd, {"c": 1.0}, {"far": 38.0}, {"b": 30.0}))
+    waits = (OrderKind.MOVE, "b")
+    assert told == {"c": waits} | {f"e{number}": waits for number in range(2, 6)}
+
+
 def test_one_step_rules_differ_where_greed_costs() -> None:
     # Together, a to `near` and b to `far` is 4 + 16 m, the nearest pair first 1 + 21 m.
     situation = corridor({"a": 10.0, "b": 15.0}, {}, {"near": 14.0, "far": 31.0})
