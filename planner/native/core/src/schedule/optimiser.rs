@@ -22,6 +22,8 @@ const HOT: f64 = 0.02;
 const COLD: f64 = 0.001;
 /// Iterations of the first cycle; each later one is longer.
 const FIRST_CYCLE: u64 = 1_500;
+/// A cycle from somewhere else is worth repeating soon if it ends within this part above the best.
+const COMPETITIVE: f64 = 0.05;
 
 /// One operator of a plan with its start and duration [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +88,8 @@ pub struct Optimiser<'t> {
     /// Cycles of annealing so far, and the length of the next one in lists.
     cycle: u32,
     cycle_length: u64,
+    /// Whether the last cycle from somewhere else came near the best plan.
+    competitive: bool,
 }
 
 impl<'t> Optimiser<'t> {
@@ -118,6 +122,7 @@ impl<'t> Optimiser<'t> {
             nodes: 0,
             cycle: 0,
             cycle_length: FIRST_CYCLE,
+            competitive: false,
         })
     }
 
@@ -343,8 +348,8 @@ impl<'t> Optimiser<'t> {
         let stop = || limits.reached();
         let mut current = self.best_list.clone();
         let mut value = self.value_of(&current);
-        if cycle % 3 == 2 {
-            // From somewhere else.
+        let elsewhere = cycle % 3 == 2 || cycle % 3 == 1 && self.competitive;
+        if elsewhere {
             self.nodes += 1;
             if self.workshop.construct(Manner::Any, f64::INFINITY, &stop) {
                 current = self.workshop.prune(&mut self.links);
@@ -381,6 +386,10 @@ impl<'t> Optimiser<'t> {
                 self.offer(&elements, on_plan);
                 current = elements;
             }
+        }
+        if elsewhere {
+            let best = self.value_of(&self.best_list.clone());
+            self.competitive = value <= best + COMPETITIVE * best.abs();
         }
     }
 }
