@@ -74,6 +74,13 @@ def _complain(result: Any) -> None:
         raise RuntimeError("; ".join(messages) or result.status.name.lower())
 
 
+def complaint(error: Exception) -> str:
+    """One line of what went wrong; of a server that broke off (Aries), what the connection says."""
+    details = getattr(error, "details", None)
+    told = str(details() if callable(details) else error).strip()
+    return told.split("\n")[0] or type(error).__name__
+
+
 def text(plan: Any, original: dict[str, str]) -> str:
     """A plan as PDDL writes it; `original` has the names of renamed actions."""
     lines = []
@@ -89,5 +96,4 @@ if __name__ == "__main__":
     try:
         main(sys.argv[1], float(sys.argv[2]) or None, Path.cwd())
     except Exception as error:  # engines raise exceptions of their own
-        told = str(error).strip().split("\n")[0]
-        sys.exit(f"{told or type(error).__name__}")
+        sys.exit(complaint(error))

@@ -34,3 +34,16 @@ def test_what_is_wrong_is_one_line(home: Path) -> None:
     assert done.returncode == 1
     assert len(done.stderr.decode().strip().splitlines()) == 1
     assert "nobody" in done.stderr.decode()
+
+
+def test_of_a_server_that_broke_off_it_is_said_what_its_connection_says() -> None:
+    class BrokenOffError(Exception):
+        def __str__(self) -> str:
+            return "<RPC that terminated with:\n status = UNAVAILABLE>"
+
+        def details(self) -> str:
+            return "Socket closed"
+
+    assert peer_process.complaint(BrokenOffError()) == "Socket closed"
+    assert peer_process.complaint(ValueError("one\ntwo")) == "one"
+    assert peer_process.complaint(ValueError()) == "ValueError"
