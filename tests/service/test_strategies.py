@@ -1,9 +1,13 @@
 """What each strategy orders in a corridor where the right answer can be told by eye."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from domains.formulation import OrderKind
 from semantic_attachments.contract import Memory
+from semantic_attachments.robot_model import RobotModel
 from service.coordination.strategies import all_strategies, serves
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from tests.service.corridor import corridor
@@ -83,3 +87,32 @@ def test_a_strategy_is_not_made_for_every_domain() -> None:
 def test_nothing_to_do_is_said() -> None:
     with pytest.raises(NoPlanError, match="no robot can reach"):
         orders("hungarian-literal", corridor({"a": 5.0}, {}, {"far": 38.0}, {"wall": 20.0}))
+
+
+def test_that_nobody_enters_what_is_left_is_said_also_while_exploring() -> None:
+    hall = corridor({"c": 5.0}, {"r": 8.0}, {"beyond": 35.0})
+    terrain = np.zeros(hall.grid.cells.shape, dtype=np.uint8)
+    terrain[:, 120:] = 1
+    situation = replace(
+        hall,
+        domain="marsupial",
+        state=replace(
+            hall.state,
+            robots=tuple(
+                replace(robot, type={"explorer": "carrier", "clearer": "rover"}[robot.type])
+                for robot in hall.state.robots
+            ),
+            capacities={"c": 1},
+        ),
+        grid=replace(hall.grid, terrain=terrain, terrain_classes=("default", "mire")),
+        models={
+            "carrier": RobotModel("carrier", 0.3, 1.0, capacity=1),
+            "rover": RobotModel("rover", 0.3, 0.5),
+        },
+    )
+    planner = all_strategies()["planner"]
+    with pytest.raises(NoPlanError, match="no robot can reach beyond"):
+        planner.propose(situation, Memory())
+    # The simple orders are asked too, as somebody may get near enough to see what is there.
+    with pytest.raises(NoPlanError, match="no robot can reach a target or a meeting point"):
+        planner.propose(replace(situation, exploring=True), Memory())
