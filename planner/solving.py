@@ -269,20 +269,7 @@ def improving_plans(
     """What `solve` and `solve_anytime` do; `on_wait` is called while there is no new plan."""
     begun = time.monotonic()
     quality = weakest_quality(attachments, [module.name for module in problem.domain.modules])
-    search = _core.Search(
-        problem,
-        as_dict(attachments),
-        timeout_s=limits.timeout_s,
-        seed=limits.seed,
-        threads=limits.threads,
-        node_limit=limits.node_limit,
-        memory_limit=None if limits.memory_limit_mb is None else limits.memory_limit_mb << 20,
-        first_plan_only=limits.first_plan_only,
-        warm_start=None if warm_start is None else tuples_of(warm_start),
-        heuristic=limits.heuristic,
-        space=limits.space,
-        promptness=limits.promptness,
-    )
+    search = started(problem, attachments, limits, warm_start)
     plans: list[Plan] = []
     cpu_timed_out = False
     try:
@@ -309,6 +296,29 @@ def improving_plans(
                 search.cancel()
     finally:
         search.cancel()
+
+
+def started(
+    problem: Problem,
+    attachments: Attachments | None,
+    limits: Limits,
+    warm_start: Plan | None = None,
+) -> _core.Search:
+    """A search that runs from now on, in a thread of its own."""
+    return _core.Search(
+        problem,
+        as_dict(attachments),
+        timeout_s=limits.timeout_s,
+        seed=limits.seed,
+        threads=limits.threads,
+        node_limit=limits.node_limit,
+        memory_limit=None if limits.memory_limit_mb is None else limits.memory_limit_mb << 20,
+        first_plan_only=limits.first_plan_only,
+        warm_start=None if warm_start is None else tuples_of(warm_start),
+        heuristic=limits.heuristic,
+        space=limits.space,
+        promptness=limits.promptness,
+    )
 
 
 def _wait_s(limits: Limits) -> float:

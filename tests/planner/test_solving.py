@@ -2,13 +2,12 @@
 
 import threading
 import time
-from typing import Any
 
 import pytest
 
 import planner
-from planner import _core, solving
-from planner.solving import Limits, Space
+from planner import solving
+from planner.solving import Limits, started
 from tests.planner.problems import MATCH_CELLAR
 
 
@@ -32,29 +31,10 @@ def test_two_threads_reach_what_one_does() -> None:
     assert makespans == sorted(makespans, reverse=True)
 
 
-def search(
-    problem: planner.Problem, attachments: dict[str, Any], timeout_s: float | None
-) -> _core.Search:
-    return _core.Search(
-        problem,
-        attachments,
-        timeout_s=timeout_s,
-        seed=0,
-        threads=1,
-        node_limit=None,
-        memory_limit=None,
-        first_plan_only=False,
-        warm_start=None,
-        heuristic=None,
-        space=Space.PORTFOLIO,
-        promptness=0.0,
-    )
-
-
 def test_a_search_that_cannot_tell_its_end_in_time_is_not_waited_for() -> None:
     # The facts alone take longer than a search has after its deadline.
     places = " ".join(f"p{number}" for number in range(600))
-    facts = " ".join(f"(road p{one} p{other})" for one in range(600) for other in range(0, 600, 3))
+    facts = " ".join(f"(road p{one} p{other})" for one in range(600) for other in range(600))
     problem = planner.read_problem(
         """(define (domain roads) (:requirements :typing :durative-actions) (:types place)
              (:predicates (at ?p - place) (road ?a ?b - place))
@@ -64,11 +44,13 @@ def test_a_search_that_cannot_tell_its_end_in_time_is_not_waited_for() -> None:
         f"(define (problem far) (:domain roads) (:objects {places} - place)"
         f" (:init (at p0) {facts}) (:goal (at p599)))",
     )
-    running = search(problem, {}, timeout_s=0.0)
+    running = started(problem, {}, Limits(timeout_s=0.0))
     event = running.next(60.0)
     assert event is not None
     assert event.report is not None
     assert (event.report.outcome, event.report.limit) == ("timed_out", "time")
+    # Its own report would say how long it had been at it.
+    assert event.report.grounding_s == 0.0
     assert running.next(0.5) is None
 
 
@@ -92,7 +74,7 @@ def test_an_attachment_under_way_is_waited_for_and_none_is_called_afterwards() -
         returns.append(places)
         return 1.0
 
-    running = search(problem, {"way": way}, timeout_s=None)
+    running = started(problem, {"way": way}, Limits(timeout_s=None))
     assert called.wait(60.0)
     running.cancel()
     event = running.next(60.0)

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from planner import Problem, _core, read_domain, read_problem, solve
-from planner.attachments import Attachments, as_dict
+from planner import Problem, read_domain, read_problem, solve
+from planner.attachments import Attachments
 from planner.outcome import Outcome
-from planner.solving import Limits, Result, Space, improving_plans
+from planner.solving import Limits, Result, improving_plans, started
 from scenarios.benchmarks._markdown import table
 from scenarios.benchmarks.planner import large_team, rates
 from scenarios.benchmarks.planner.instances import families, ipc_instances
@@ -179,20 +179,7 @@ def stopping_ms(
     problem: Problem, attachments: Attachments, moment_s: float
 ) -> tuple[float, float] | None:
     """How long a search goes on when it is cancelled after a time: wall and CPU time [ms]."""
-    search = _core.Search(
-        problem,
-        as_dict(attachments),
-        timeout_s=None,
-        seed=0,
-        threads=1,
-        node_limit=None,
-        memory_limit=None,
-        first_plan_only=False,
-        warm_start=None,
-        heuristic=None,
-        space=Space.PORTFOLIO,
-        promptness=0.0,
-    )
+    search = started(problem, attachments, Limits(timeout_s=None))
     time.sleep(moment_s)
     begun_s, cpu_begun_s = time.monotonic(), time.process_time()
     search.cancel()

@@ -21,6 +21,7 @@ pub mod pddl;
 pub mod plan;
 pub mod portfolio;
 pub mod progress;
+mod report;
 pub mod schedule;
 pub mod sequential;
 pub mod solve;

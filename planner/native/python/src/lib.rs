@@ -10,6 +10,7 @@ mod model;
 mod overdue;
 mod panic;
 mod plan;
+mod report;
 mod search;
 mod state_view;
 mod validation;
@@ -30,7 +31,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<validation::Verdict>()?;
     module.add_class::<search::Search>()?;
     module.add_class::<search::Event>()?;
-    module.add_class::<search::Report>()?;
+    module.add_class::<report::Report>()?;
     module.add_function(wrap_pyfunction!(model::read_domain, module)?)?;
     module.add_function(wrap_pyfunction!(model::read_problem, module)?)?;
     module.add_function(wrap_pyfunction!(plan::read_plan, module)?)?;

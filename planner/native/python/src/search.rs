@@ -21,6 +21,7 @@ use crate::model::Problem;
 use crate::overdue::Overdue;
 use crate::panic::caught;
 use crate::plan::{StepTuple, from_tuples, to_tuples};
+use crate::report::Report;
 
 /// How often a waiting Python thread looks for signals.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(20);
@@ -60,22 +61,6 @@ pub struct Event {
     refused: Option<String>,
     /// A fault of the planner.
     internal: Option<String>,
-}
-
-/// The end of a search.
-#[pyclass(frozen, get_all, module = "planner._core")]
-#[derive(Clone)]
-pub struct Report {
-    outcome: &'static str,
-    /// `time`, `nodes`, `memory` or `cancelled`: what ended it before it was done.
-    limit: Option<&'static str>,
-    lower_bound: f64,
-    expansions: u64,
-    evaluations: u64,
-    schedules: u64,
-    operators: usize,
-    facts: usize,
-    grounding_s: f64,
 }
 
 enum Message {
@@ -253,30 +238,16 @@ impl Search {
         }
         event
     }
-}
 
-impl Search {
     /// The end of a search that does not tell it in time.
     fn given_up(&self, limit: Limit) -> Message {
         self.cancel.store(true, Ordering::Relaxed);
-        let counts = self.progress.counts();
         let outcome = match limit {
             _ if lock(&self.heard).plan => Outcome::Solved,
             Limit::Time => Outcome::TimedOut,
             _ => Outcome::Cancelled,
         };
-        Message::End(Report::from(&SolveReport {
-            outcome,
-            limit: Some(limit),
-            plans: Vec::new(),
-            lower_bound: counts.lower_bound,
-            expansions: counts.expansions,
-            evaluations: counts.evaluations,
-            schedules: counts.schedules,
-            operators: counts.operators,
-            facts: counts.facts,
-            grounding_s: counts.grounding_s,
-        }))
+        Message::End(Report::new(outcome, Some(limit), &self.progress.counts()))
     }
 }
 
@@ -380,35 +351,5 @@ fn rejection(plan: &Plan, verdict: Verdict) -> Message {
             )),
         },
         None => Message::Internal("a valid plan was rejected".into()),
-    }
-}
-
-impl From<&SolveReport> for Report {
-    fn from(report: &SolveReport) -> Self {
-        Self {
-            outcome: match report.outcome {
-                Outcome::SolvedOptimally => "solved_optimally",
-                Outcome::Solved => "solved",
-                Outcome::ProvenUnsolvable => "proven_unsolvable",
-                Outcome::Exhausted => "exhausted",
-                Outcome::TimedOut => "timed_out",
-                Outcome::OutOfNodes => "out_of_nodes",
-                Outcome::OutOfMemory => "out_of_memory",
-                Outcome::Cancelled => "cancelled",
-            },
-            limit: report.limit.map(|limit| match limit {
-                Limit::Time => "time",
-                Limit::Nodes => "nodes",
-                Limit::Memory => "memory",
-                Limit::Cancelled => "cancelled",
-            }),
-            lower_bound: report.lower_bound,
-            expansions: report.expansions,
-            evaluations: report.evaluations,
-            schedules: report.schedules,
-            operators: report.operators,
-            facts: report.facts,
-            grounding_s: report.grounding_s,
-        }
     }
 }

@@ -33,6 +33,7 @@ mod propositions;
 mod question;
 mod repair;
 mod rows;
+mod solution;
 mod state;
 #[cfg(test)]
 mod testing;
@@ -40,5 +41,6 @@ mod windows;
 mod workshop;
 
 pub use limits::Limits;
-pub use optimiser::{Ending, Optimiser, Schedule, ScheduledOperator};
+pub use optimiser::{Ending, Optimiser};
 pub use promptness::Promptness;
+pub use solution::{Schedule, ScheduledOperator};

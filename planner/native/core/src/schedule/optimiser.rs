@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use rand::RngExt;
 
-use crate::plan::Plan;
 use crate::schedule::construction::Manner;
 use crate::schedule::limits::Limits;
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::model::NONE;
 use crate::schedule::promptness::Promptness;
 use crate::schedule::repair::Item;
+use crate::schedule::solution::{Schedule, ScheduledOperator};
 use crate::schedule::state::Dispatch;
 use crate::schedule::workshop::Workshop;
 use crate::task::{OperatorId, Task};
@@ -24,43 +24,6 @@ const COLD: f64 = 0.001;
 const FIRST_CYCLE: u64 = 1_500;
 /// A cycle from somewhere else is worth repeating soon if it ends within this part above the best.
 const COMPETITIVE: f64 = 0.05;
-
-/// One operator of a plan with its start and duration [s].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScheduledOperator {
-    /// Which.
-    pub operator: OperatorId,
-    /// Start [s].
-    pub start: f64,
-    /// Duration [s]; `None` for an instantaneous action.
-    pub duration: Option<f64>,
-}
-
-/// A valid plan.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Schedule {
-    /// Its operators, by start.
-    pub operators: Vec<ScheduledOperator>,
-    /// End of the last one [s].
-    pub makespan: f64,
-    /// What was minimised: the makespan with its share of the mean goal time, or the metric (negated
-    /// to maximise).
-    pub cost: f64,
-}
-
-impl Schedule {
-    /// The plan with names.
-    #[must_use]
-    pub fn plan(&self, task: &Task) -> Plan {
-        let steps = self
-            .operators
-            .iter()
-            .map(|entry| task.step(entry.operator, entry.start, entry.duration));
-        Plan {
-            steps: steps.collect(),
-        }
-    }
-}
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
