@@ -48,7 +48,8 @@ class Single:
 class ExploreCosts:
     """Travel time, and the time that exploring what lies behind the goal is expected to take.
 
-    A robot sweeps a strip as wide as its sensor's range at the speed it drives with.
+    A robot sees as far to its left as to its right: it sweeps a strip of twice its sensor's range
+    at the speed it drives with.
     """
 
     world: World
@@ -70,7 +71,7 @@ class ExploreCosts:
         if unknown_m2 <= 0.0:
             return 0.0
         model = self.world.robots[robot]
-        return unknown_m2 / max(model.sensor_range_m * model.speed_m_s, 1e-9)
+        return unknown_m2 / max(2.0 * model.sensor_range_m * model.speed_m_s, 1e-9)
 
 
 def _explore_cost(world: World, memory: Memory) -> Evaluator:

@@ -7,6 +7,7 @@ from domains.formulation import Assignment, OrderKind
 from domains.mission_state import Activity
 from semantic_attachments.contract import Memory
 from service.coordination.one_step_disaster import being_cleared, clear_nearest, free
+from service.coordination.pick_up import pick_up_points
 from service.coordination.strategy import Situation
 from service.coordination.travel import Travel
 
@@ -41,7 +42,8 @@ def _with_clearers(
 
 def _rovers(busy: set[str], situation: Situation, memory: Memory) -> list[Assignment]:
     """A rover without work goes where it can be fetched: to the nearest meeting point."""
-    meetings = [meeting.id for meeting in situation.state.meeting_points]
+    travel = Travel.of(situation, memory)
+    meetings = pick_up_points(situation, travel)
     idle = [
         robot
         for robot in situation.state.robots
@@ -52,7 +54,6 @@ def _rovers(busy: set[str], situation: Situation, memory: Memory) -> list[Assign
     ]
     if not (meetings and idle):
         return []
-    travel = Travel.of(situation, memory)
     orders = []
     for robot, times_s in zip(
         idle, travel.times_s([robot.id for robot in idle], meetings), strict=True

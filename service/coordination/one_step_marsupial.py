@@ -12,7 +12,7 @@ alone. In both any rover without work may be fetched by any carrier.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, isfinite
 
 from domains.formulation import Assignment, OrderKind
@@ -20,8 +20,9 @@ from domains.mission_state import Activity, RobotState
 from semantic_attachments.contract import Memory
 from service.coordination.assignment import AssignmentRule, by_hungarian_method
 from service.coordination.one_step_disaster import remarks_on, steps_of
+from service.coordination.pick_up import pick_up_points
 from service.coordination.strategy import NoPlanError, Proposal, Situation
-from service.coordination.travel import Travel
+from service.coordination.travel import Travel, as_if_everywhere
 from service.coordination.urgency import assigned_by_urgency
 
 
@@ -59,6 +60,7 @@ class _Team:
         self.baseline = baseline
         self.situation = situation
         self.travel = Travel.of(situation, memory)
+        self.pick_up = pick_up_points(situation, self.travel)
         self.targets = [target.id for target in state.targets]
         self.meetings = [meeting.id for meeting in state.meeting_points]
         self.carriers = [
@@ -74,17 +76,7 @@ class _Team:
         for rover in self.rovers:
             if rover.activity is Activity.DOCKED and rover.partner is not None:
                 self.aboard.setdefault(rover.partner, []).append(rover.id)
-        # Also through gaps that only a rover is small enough for.
-        smallest_m = min(model.radius_m for model in situation.models.values())
-        free = replace(
-            situation,
-            models={
-                name: replace(model, enters=situation.grid.terrain_classes, radius_m=smallest_m)
-                for name, model in situation.models.items()
-            },
-        )
-        # Its own memory: paths that ignore traversability must not mix with those that do not.
-        self.anywhere = Travel(free, Memory())
+        self.anywhere = as_if_everywhere(situation)
 
     def rovers_explore(self) -> list[Assignment]:
         """Rovers on the ground to the targets they can reach."""
@@ -188,10 +180,10 @@ class _Team:
         return orders
 
     def _nearest_meeting(self, rover: RobotState) -> tuple[str | None, float]:
-        if rover.arrived_at in self.meetings:
+        if rover.arrived_at in self.pick_up:
             return rover.arrived_at, 0.0
-        times_s = self.travel.times_s([rover.id], self.meetings)[0]
-        time_s, meeting = min(zip(times_s, self.meetings, strict=True), default=(inf, None))
+        times_s = self.travel.times_s([rover.id], self.pick_up)[0]
+        time_s, meeting = min(zip(times_s, self.pick_up, strict=True), default=(inf, None))
         return (meeting, time_s) if isfinite(time_s) else (None, inf)
 
     def _both(

@@ -11,7 +11,7 @@ from domains.formulation import Formulation, OrderKind
 from domains.mission_state import MissionState
 from domains.naming import Names
 
-PROMPTNESS = 1.0
+PROMPTNESS = 0.3
 """Weight of the mean time of visits beside the makespan: more targets will come than are known, and
 robots that are done early are free for them."""
 GAIN_S = 3.0

@@ -50,18 +50,28 @@ def revised(
         return Revision(tuple(steps))
     successors = _successors(gone, places_m, {n: p for n, p in open_m.items() if n not in named})
     gone -= successors.keys()
+    renamed = [
+        step.model_copy(update={"arguments": [successors.get(one, one) for one in step.arguments]})
+        for step in steps
+    ]
+    return Revision(without_visits(renamed, gone), successors, frozenset(gone))
+
+
+def without_visits(steps: Sequence[PlanStep], left_out: Collection[str]) -> tuple[PlanStep, ...]:
+    """Steps by start, without those that lead to some targets; robots go on from where they were
+    before."""
     kept: list[PlanStep] = []
-    moved: dict[str, str] = {}
-    """Where a robot is instead of at a target that was left out: where it came from."""
+    stayed: dict[tuple[str, str], str] = {}
+    """Where a robot is instead of at a target that was left out."""
     for step in sorted(steps, key=lambda step: step.start_s):
-        arguments = [successors.get(one, one) for one in step.arguments]
-        if len(arguments) == 3 and arguments[1] in gone:
-            arguments[1] = moved.get(f"{arguments[0]} {arguments[1]}", arguments[1])
-        if len(arguments) == 3 and arguments[2] in gone:
-            moved[f"{arguments[0]} {arguments[2]}"] = arguments[1]
+        arguments = list(step.arguments)
+        if len(arguments) == 3 and arguments[1] in left_out:
+            arguments[1] = stayed.get((arguments[0], arguments[1]), arguments[1])
+        if len(arguments) == 3 and arguments[2] in left_out:
+            stayed[arguments[0], arguments[2]] = arguments[1]
             continue
         kept.append(step.model_copy(update={"arguments": arguments}))
-    return Revision(tuple(kept), successors, frozenset(gone))
+    return tuple(kept)
 
 
 def _successors(

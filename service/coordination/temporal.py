@@ -18,12 +18,13 @@ from domains.mission_state import Activity, MissionState
 from semantic_attachments import bind
 from semantic_attachments.contract import Evaluator, Memory
 from semantic_attachments.world import World
+from service.coordination.exploration.horizon import within_horizon
 from service.coordination.follow_ups import follow_ups
 from service.coordination.idle_robots import with_idle_robots
 from service.coordination.plan_choice import PROMPTNESS, steadiest
 from service.coordination.plan_lag import behind_s
 from service.coordination.plan_progress import Remainder, from_here, remainder
-from service.coordination.plan_revision import Revision, revised, with_new_targets
+from service.coordination.plan_revision import Revision, revised, with_new_targets, without_visits
 from service.coordination.remarks import remarks
 from service.coordination.restricted_costs import RestrictedCosts
 from service.coordination.strategy import NoPlanError, Proposal, Situation, Strategy
@@ -136,14 +137,17 @@ class Planning:
     def propose(self) -> Proposal:
         """The plan in force if it is as good, a new one otherwise."""
         state = self.state
-        goals = self._attainable(state)
-        unreachable = frozenset(target.id for target in state.targets) - goals
+        attainable = self._attainable(state)
+        unreachable = frozenset(target.id for target in state.targets) - attainable
         explores = self.situation.explores_with_carriers
-        if not goals and explores:
+        if not attainable and explores:
             # Somebody may get near enough to see what is there.
             raise PlanNotFoundError(f"no robot can enter {_listed(unreachable)}")
-        if not goals:
+        if not attainable:
             raise NoPlanError(f"no robot can reach {_listed(unreachable)}")
+        goals = attainable
+        if explores:
+            goals = within_horizon(self.situation, attainable, self.memory)
         goes_on = self.situation.hurried or (explores and self.situation.only_map_changed)
         if goes_on and (kept := self._kept(None, goals)) is not None:
             return kept
@@ -232,6 +236,8 @@ class Planning:
 
     def _solve(self, state: MissionState, goals: Collection[str]) -> planner.Plan:
         planning = self.situation.planning
+        if self.situation.explores_with_carriers:
+            state = self._narrowed(state, goals)
         result = planner.solve(
             self.domain,
             self.formulation.problem(self.world, state, sorted(goals)),
@@ -239,7 +245,7 @@ class Planning:
             timeout_s=planning.time_limit_s,
             node_limit=self._node_limit(len(goals)),
             seed=planning.seed,
-            warm_start=self._warm_start(goals),
+            warm_start=self._warm_start(state, goals),
             promptness=PROMPTNESS if self.situation.explores_with_carriers else 0.0,
         )
         if result.plan is None:
@@ -252,6 +258,14 @@ class Planning:
             if place not in self.revision.gone
         }
         return steadiest(result.plans, going, self.formulation, state)
+
+    def _narrowed(self, state: MissionState, goals: Collection[str]) -> MissionState:
+        """Only what plans for these targets can need."""
+        near = replace(state, targets=tuple(t for t in state.targets if t.id in goals))
+        places = self.formulation.worthwhile(self.attachments["pathCost"], near)
+        near = replace(near, meeting_points=places)
+        names = self.formulation.names
+        return near if names(near).agree_with(names(self.state)) else state
 
     def _node_limit(self, goals: int) -> int | None:
         """Search nodes; fewer for a large problem where every few seconds bring another one.
@@ -269,13 +283,16 @@ class Planning:
 
     # The plan in force
 
-    def _warm_start(self, goals: Collection[str]) -> planner.Plan | None:
-        steps, state = self.revision.steps, self.state
+    def _warm_start(self, state: MissionState, goals: Collection[str]) -> planner.Plan | None:
+        steps = self.revision.steps
         if not steps:
             return None
+        explores = self.situation.explores_with_carriers
+        if explores:
+            steps = without_visits(steps, {target.id for target in self.state.targets} - {*goals})
         left = remainder(self.formulation, state, steps, self.situation.done)
         plan = from_here(left, self.formulation, state)
-        if not self.situation.explores_with_carriers:
+        if not explores:
             return plan
         cost = self.attachments["pathCost"]
         return with_new_targets(plan, goals, state, self.formulation, cost)

@@ -1,6 +1,7 @@
 """Travel times and paths between the places of a mission, by the mission's ids."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import inf
 
 from domains import catalogue
@@ -71,3 +72,15 @@ class Travel:
             self.names.name(robot), self.names.name(place_of(robot)), self.names.name(goal)
         )
         return tuple((round(float(x), 4), round(float(y), 4)) for x, y in way_points)
+
+
+def as_if_everywhere(situation: Situation) -> Travel:
+    """Travel times of robots that could drive on all ground, and through every gap that the
+    smallest of them fits through."""
+    smallest_m = min(model.radius_m for model in situation.models.values())
+    free = {
+        name: replace(model, enters=situation.grid.terrain_classes, radius_m=smallest_m)
+        for name, model in situation.models.items()
+    }
+    # A memory of its own: such ways must not mix with those that robots can really drive.
+    return Travel(replace(situation, models=free), Memory())

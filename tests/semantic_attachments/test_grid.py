@@ -51,6 +51,6 @@ def test_exploring_takes_the_way_and_the_sweep_behind_it(two_rooms: World) -> No
     places["east"] = replace(places["east"], unknown_m2=24.0)
     bound = bind(["pathCost", "exploreCost"], replace(two_rooms, locations=places, robots=robots))
     way_s = bound["pathCost"]("robot", "west", "east")
-    # 4 m wide at 0.5 m/s: 2 m^2/s.
-    assert bound["exploreCost"]("robot", "west", "east") == pytest.approx(way_s + 12.0)
+    # 4 m to either side at 0.5 m/s: 4 m^2/s.
+    assert bound["exploreCost"]("robot", "west", "east") == pytest.approx(way_s + 6.0)
     assert bound["exploreCost"]("robot", "east", "west") == pytest.approx(way_s)

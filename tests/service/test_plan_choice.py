@@ -3,7 +3,7 @@
 import planner
 from domains import catalogue
 from domains.mission_state import MissionState, RobotState, Target
-from service.coordination.plan_choice import steadiest, worth_s
+from service.coordination.plan_choice import PROMPTNESS, steadiest, worth_s
 
 MARSUPIAL = catalogue.load("marsupial")
 STATE = MissionState(
@@ -22,9 +22,9 @@ def plan(*visits: tuple[str, float]) -> planner.Plan:
     return planner.Plan(tuple(steps))
 
 
-def test_mean_time_counts_as_much_as_the_last() -> None:
+def test_mean_time_counts_beside_the_last() -> None:
     names = MARSUPIAL.names(STATE)
-    assert worth_s(plan(("a", 10.0), ("b", 30.0)), MARSUPIAL, names) == 30.0 + 20.0
+    assert worth_s(plan(("a", 10.0), ("b", 30.0)), MARSUPIAL, names) == 30.0 + PROMPTNESS * 20.0
 
 
 def test_a_small_gain_is_no_reason_to_turn_round() -> None:

@@ -6,7 +6,7 @@ import planner
 from domains import catalogue
 from domains.formulation import place_of
 from domains.mission_state import Activity, MeetingPoint, MissionState, RobotState, Target
-from service.coordination.plan_revision import revised, with_new_targets
+from service.coordination.plan_revision import revised, with_new_targets, without_visits
 from service.messages.plan import PlanStep
 
 MARSUPIAL = catalogue.load("marsupial")
@@ -126,3 +126,9 @@ def test_what_nobody_can_reach_stays_out() -> None:
         return float("inf")
 
     assert not with_new_targets(planner.Plan(()), {"n"}, now, MARSUPIAL, nowhere)
+
+
+def test_a_robot_goes_on_from_before_the_visit_that_is_left_out() -> None:
+    (step,) = without_visits(PLAN, {"a"})
+    assert (step.start_s, step.arguments) == (10.0, ["c", "c place", "b"])
+    assert without_visits(PLAN, ()) == tuple(PLAN)

@@ -150,6 +150,16 @@ fn separation_is_asked_only_where_wanted() {
 }
 
 #[test]
+fn what_else_happens_a_little_earlier_takes_nothing_from_the_separation() {
+    let plan = "0.000: (light_match m1) [8.000]
+         0.001: (mend_fuse f1 m1) [3.000]
+         3.001999998: (light_match m2) [8.000]
+         3.002: (mend_fuse f2 m1) [4.000]";
+    let verdict = match_cellar().verdict_with(plan, &Options::strict(0.001), &NoAttachments);
+    assert!(verdict.valid(), "{:?}", verdict.failure);
+}
+
+#[test]
 fn a_report_tells_every_check_and_change() {
     let options = Options {
         report: true,

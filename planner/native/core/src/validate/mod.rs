@@ -66,6 +66,17 @@ impl Options {
             report: false,
         }
     }
+
+    /// Occurrences this near to the first one of a happening belong to it [s].
+    pub(super) fn together_s(&self) -> f64 {
+        self.tolerance_s / 10.0
+    }
+
+    /// Smallest time between the first occurrences of happenings that interfere [s]. The first one
+    /// of a happening may be earlier than the one that keeps its distance.
+    pub(super) fn least_gap_s(&self) -> f64 {
+        (self.separation_s - self.together_s()).max(0.0)
+    }
 }
 
 /// Validates a plan.
@@ -132,7 +143,7 @@ impl<'a> Validator<'a> {
         let mut run = Run::new(scene, &steps, self.initial.clone(), options);
         let outcome = (|| {
             run.begin()?;
-            for happening in &timeline::happenings(occurrences, options.tolerance_s) {
+            for happening in &timeline::happenings(occurrences, options.together_s()) {
                 run.step(happening)?;
             }
             run.check_goal()

@@ -21,19 +21,19 @@ pub(super) struct Happening {
 }
 
 /// Groups occurrences into happenings as VAL does: sorted by time, one happening takes everything
-/// up to a tenth of the tolerance after its first member.
+/// up to `together_s` after its first member, a tenth of the tolerance there.
 ///
 /// Source: Howey, Long, Fox, "VAL: automatic plan validation, continuous effects and mixed
 /// initiative planning using PDDL", ICTAI 2004, and the behaviour of its implementation.
 pub(super) fn happenings(
     mut occurrences: Vec<(f64, Occurrence)>,
-    tolerance_s: f64,
+    together_s: f64,
 ) -> Vec<Happening> {
     occurrences.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut happenings: Vec<Happening> = Vec::new();
     for (time, occurrence) in occurrences {
         match happenings.last_mut() {
-            Some(last) if time <= last.time + tolerance_s / 10.0 => {
+            Some(last) if time <= last.time + together_s => {
                 last.occurrences.push(occurrence);
             }
             _ => happenings.push(Happening {
@@ -50,7 +50,7 @@ mod tests {
     use super::{Occurrence, happenings};
 
     #[test]
-    fn a_tenth_of_the_tolerance_is_one_happening() {
+    fn what_is_near_the_first_is_one_happening() {
         let times = [0.0, 0.000_05, 0.000_1, 0.000_2, 5.0];
         let grouped = happenings(
             times
@@ -58,7 +58,7 @@ mod tests {
                 .enumerate()
                 .map(|(index, time)| (*time, Occurrence::Start(index)))
                 .collect(),
-            0.001,
+            0.000_1,
         );
         let sizes: Vec<_> = grouped.iter().map(|one| one.occurrences.len()).collect();
         assert_eq!(sizes, [3, 1, 1]);
@@ -72,7 +72,7 @@ mod tests {
                 (0.0, Occurrence::Start(0)),
                 (1.0, Occurrence::Start(1)),
             ],
-            0.001,
+            0.000_1,
         );
         assert_eq!(
             grouped[1].occurrences,

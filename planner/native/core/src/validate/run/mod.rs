@@ -48,7 +48,7 @@ impl<'s, 'a> Run<'s, 'a> {
             tolerance_s: options.tolerance_s,
             state: initial,
             running: Vec::new(),
-            claims: Claims::new(options.separation_s),
+            claims: Claims::new(options.least_gap_s()),
             history: History::default(),
             happening: 0,
             time: 0.0,
