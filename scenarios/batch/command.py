@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 from scenarios.batch.execution import execute, rows
 from scenarios.batch.findings import findings
@@ -41,12 +46,14 @@ def run_suite(
     begin_s, first = time.monotonic(), -1
     told_s = begin_s - LINE_EVERY_S
     try:
-        for done, wanted in execute(suite, folder, jobs=jobs, resume=resume, perform=perform):
-            now_s = time.monotonic()
-            first = done if first < 0 else first
-            if now_s - told_s >= LINE_EVERY_S or done == wanted:
-                told_s = now_s
-                _say(f"{suite.name}: {done} of {wanted} runs" + _left(done, wanted, first, begin_s))
+        with _terminated_like_interrupted():
+            for done, wanted in execute(suite, folder, jobs=jobs, resume=resume, perform=perform):
+                now_s = time.monotonic()
+                first = done if first < 0 else first
+                if now_s - told_s >= LINE_EVERY_S or done == wanted:
+                    told_s = now_s
+                    left = _left(done, wanted, first, begin_s)
+                    _say(f"{suite.name}: {done} of {wanted} runs{left}")
     except FileExistsError as error:
         raise CommandError(str(error)) from None
     except KeyboardInterrupt:
@@ -58,6 +65,23 @@ def run_suite(
     report = write(found, folder)
     print(markdown(found))
     print(f"report: {report.resolve()}")
+
+
+@contextmanager
+def _terminated_like_interrupted() -> Iterator[None]:
+    """SIGTERM stops the runs as Ctrl-C does, where signals are this thread's to handle."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(_signal: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _refuse_unknown_strategies(path: Path, suite: Suite) -> None:

@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from scenarios.batch.run_process import run_in_process
+from scenarios.batch.run_process import run_in_process, stop_runs
 from scenarios.batch.suite import RunSpec, Suite
 
 Row = dict[str, Any]
@@ -66,6 +66,8 @@ def execute(
                     count += 1
                     yield count, len(wanted)
         finally:
+            # None is left unless somebody wants to stop: what has begun would take minutes.
+            stop_runs()
             pool.shutdown(wait=True, cancel_futures=True)
 
 

@@ -15,11 +15,19 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from typing import Any
 
 from scenarios.batch.suite import RunSpec, Suite
 
 Row = dict[str, Any]
+_running: set[BaseProcess] = set()
+
+
+def stop_runs() -> None:
+    """Kills all runs that this process has started; each ends as one that crashed."""
+    for process in tuple(_running):
+        process.kill()
 
 
 def run_in_process(suite: Suite, spec: RunSpec) -> Row:
@@ -33,6 +41,7 @@ def run_in_process(suite: Suite, spec: RunSpec) -> Row:
     )
     with _one_thread_each():
         process.start()
+    _running.add(process)
     answer.close()
     deadline_s = time.monotonic() + suite.limits.wall_s
     try:
@@ -45,6 +54,7 @@ def run_in_process(suite: Suite, spec: RunSpec) -> Row:
     finally:
         process.kill()
         process.join()
+        _running.discard(process)
         answers.close()
     return row
 
