@@ -116,12 +116,25 @@ class RightOfWay:
                 continue
             opponent = self._first_met(robot, before, time_s)
             if opponent is None:
-                self._relieve(robot, before, time_s)
+                if not self._leaves(robot, before, present, time_s):
+                    self._relieve(robot, before, time_s)
             elif not self._get_clear(robot, before, self._goals(robot, present), time_s):
                 robot.timed = [(time_s, robot.x, robot.y)]
                 if robot.id not in self._front:
                     stuck.append((robot, opponent.id))
         return stuck
+
+    def _leaves(
+        self, robot: Robot, before: _Before, present: Sequence[Robot], time_s: float
+    ) -> bool:
+        """Whether an idle robot that stood in another's way is on its way out of there.
+
+        At the front of the order it meets nobody where it stands: the others wait for it.
+        """
+        if robot.goals or robot.id not in self._front or len(robot.timed) > 1:
+            return False
+        refuges = self._goals(robot, present)
+        return bool(refuges) and self._give_way(robot, before, refuges, time_s)
 
     def _priority(self, robot: Robot, time_s: float) -> tuple[float, float, float]:
         if robot.is_immovable(time_s):

@@ -107,6 +107,20 @@ def test_an_idle_robot_makes_room(tmp_path: Path) -> None:
     assert math.dist((x, y), (7.5, 1.5)) > EXPLORER.radius_m
 
 
+def test_an_idle_robot_between_two_leaves(tmp_path: Path) -> None:
+    """Both are too near for it to find a motion past them: it goes first, and they wait."""
+    ways = [((5.7, 1.5), (17.0, 1.5)), ((7.3, 1.5), (2.0, 1.5)), ((6.5, 1.5), (6.5, 1.5))]
+    meeting = Meeting(tmp_path, ways)
+    idle = meeting.robots[2]
+    idle.stop()
+    idle.command_over = True
+    for step in range(4):
+        meeting.right_of_way.update(meeting.robots, 0.5 * step)
+    assert len(idle.timed) > 1
+    _, x, y = idle.timed[-1]
+    assert (x, y) == pytest.approx((6.5, 2.5), abs=0.3)
+
+
 def test_a_dead_robot_is_nobody_to_negotiate_with(tmp_path: Path) -> None:
     meeting = Meeting(tmp_path, [((2.0, 1.5), (17.0, 1.5)), ((7.5, 1.5), (7.5, 1.5))])
     dead = meeting.robots[1]
