@@ -204,8 +204,8 @@ impl Floor {
     /// Whether a body's centre may move along a straight leg without entering forbidden terrain.
     pub fn centre_passes(&self, from: Point, to: Point) -> bool {
         self.terrain.as_ref().is_none_or(|terrain| {
-            let gap_m = terrain.clearance(from, TERRAIN_GAP_M).max(1e-6);
-            terrain.disc_passes(from, to, gap_m)
+            // Whoever stands nearer to it already, even at its very edge, may leave.
+            terrain.disc_passes(from, to, terrain.clearance(from, TERRAIN_GAP_M))
         })
     }
 
@@ -328,6 +328,19 @@ pub(crate) mod tests {
         assert!(!floor.leg_is_clear([0.3, 0.5], [0.5, 0.7], 0.1));
         assert!(floor.disc_passes([0.3, 0.5], [0.7, 0.5], 0.1));
         assert!(drawn(&["."; 2], 0.2).forbidding(vec![true; 3]).is_err());
+    }
+
+    #[test]
+    fn a_centre_at_the_edge_of_forbidden_terrain_leaves_it_and_does_not_enter() {
+        let mut forbidden = vec![false; 25];
+        forbidden[2 * 5 + 2] = true;
+        let floor = drawn(&["....."; 5], 0.25).forbidding(forbidden).unwrap();
+        let edge = [0.625, 0.75];
+        assert!(!floor.is_forbidden(edge));
+        assert!(floor.centre_passes(edge, [0.625, 1.0]));
+        assert!(floor.centre_passes(edge, [1.0, 0.8]));
+        assert!(!floor.centre_passes(edge, [0.625, 0.625]));
+        assert!(!floor.centre_passes([0.625, 1.0], [0.625, 0.6]));
     }
 
     #[test]
