@@ -15,6 +15,9 @@ from test_mission_loop import ROOMS, TARGETS, WAIT, drive, fleet
 from service.app import create_app
 from service.settings import Settings, sqlite_url
 
+LATEST_S = 30.0
+"""by which a report comes late at the most"""
+
 
 class FullDisk:
     """Gives an SQLite database no further page: SQLite itself then finds the disk full."""
@@ -159,6 +162,9 @@ def test_duplicates_and_reordering_execute_nothing_twice(data: st.DataObject) ->
                 client.post(f"{url}/reports", json=report, headers=WAIT)
             if data.draw(st.integers(0, 3)) == 0 and delayed:
                 client.post(f"{url}/reports", json=delayed.pop(), headers=WAIT)
+            # After a minute the service takes a command for lost and gives it again.
+            while delayed and team.time_s - delayed[0]["time_s"] > LATEST_S:
+                client.post(f"{url}/reports", json=delayed.pop(0), headers=WAIT)
             answer = client.post(
                 f"{url}/reports", json=data.draw(st.sampled_from(sent[-3:])), headers=WAIT
             ).json()
