@@ -51,7 +51,7 @@ def validate(
 
     `tolerance_s` is VAL's `-t`: durations may be off by as much, and what lies within a tenth of
     it happens at once. With `separation_s`, happenings that interfere must also be that far
-    apart. docs/validator.md tells the semantics.
+    apart, to within a tenth of the tolerance. docs/validator.md tells the semantics.
 
     Raises `PddlError` for texts that cannot be read, `AttachmentError` for an attachment that is
     missing or fails.

@@ -39,7 +39,8 @@ use state::State;
 pub struct Options {
     /// VAL's `-t` [s]: durations may be off by as much, and everything within a tenth of it is one happening.
     pub tolerance_s: f64,
-    /// Smallest time between happenings that interfere [s]; 0 asks it within one happening only, as VAL does.
+    /// Smallest time between happenings that interfere [s], to within a tenth of the tolerance; 0 asks it
+    /// within one happening only, as VAL does.
     pub separation_s: f64,
     /// Whether the verdict tells of every check and change.
     pub report: bool,
