@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from simulator._core import Floor
-from simulator.fleet_scenario import Point
+from simulator.fleet_scenario import MARGIN_M, Point
 from simulator.knowledge import Knowledge
 from simulator.robot import Robot, steer
 from simulator.segment_geometry import nearest_on_segment
@@ -19,6 +19,8 @@ _GAP_M = 0.03
 """the guard's distance to robots and blockades"""
 _STAND_OFF_M = 0.25
 """its distance to a robot straight ahead, which leaves that one room to turn aside"""
+_BESIDE_M = _STAND_OFF_M + 0.05
+"""a robot no further away than that may be the one that holds another"""
 _WALL_GAP_M = 0.005
 _PATIENCE_S = 0.5
 """how long a robot that the guard holds insists on its course before it turns aside"""
@@ -75,6 +77,32 @@ class Driving:
             robot.stalled_s = 0.0 if moves else robot.stalled_s + step_s
             self.world.drive(robot.id, velocity, turn)
 
+    def leave_wall(self, robot: Robot, present: Sequence[Robot], time_s: float) -> bool:
+        """Sends a robot that nothing but a wall holds to the roomiest place close by.
+
+        A route begins where the robot stands, and so may pass a wall's end closer than the guard
+        lets it drive. From a roomier place the next route is a wider one.
+
+        Returns:
+            Whether the robot is on its way there.
+        """
+        radius_m = robot.kind.radius_m
+        if any(
+            math.dist(other.position, robot.position) < radius_m + other.kind.radius_m + _BESIDE_M
+            for other in present
+            if other is not robot
+        ):
+            return False
+        floor = self.known[robot.id].navigation.floor(robot.kind)
+        limit_m = radius_m + MARGIN_M
+        if floor.clearance(*robot.position, limit_m) >= limit_m:
+            return False
+        place = self._away_from_walls(robot)
+        if place is None:
+            return False
+        robot.timed = [(time_s, *robot.position), (time_s + 1.0, *place)]
+        return True
+
     def _wish(self, robot: Robot, time_s: float) -> tuple[Point, float] | None:
         """The point to steer to and the speed limit on the way, or None to stand still."""
         if robot.timed:
@@ -124,7 +152,7 @@ class Driving:
         """Where a robot steers to that the guard lets go no further on its course."""
         other = min(near, key=lambda o: math.dist(o.position, robot.position), default=None)
         if other is not None:
-            reach_m = robot.kind.radius_m + other.kind.radius_m + _STAND_OFF_M + 0.05
+            reach_m = robot.kind.radius_m + other.kind.radius_m + _BESIDE_M
             to = (other.x - robot.x, other.y - robot.y)
             if math.hypot(*to) <= reach_m:
                 return self._past(robot, towards, to)

@@ -257,8 +257,11 @@ class Simulation:
 
     def _untangle(self) -> None:
         """Robots that want to move and cannot look for another way, then insist on it."""
+        present = [robot for robot in self.robots.values() if not robot.is_aboard]
         for robot in self.robots.values():
             if robot.stalled_s < 3.0 or robot.is_immovable(self.clock.time_s):
+                continue
+            if self.driving.leave_wall(robot, present, self.clock.time_s):
                 continue
             if robot.goals:
                 route = self.contact[robot.id].navigation.route(robot, robot.goals)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from simulator.driving import Driving
-from simulator.fleet_scenario import HiddenBlockade, Point, RobotType
+from simulator.fleet_scenario import MARGIN_M, HiddenBlockade, Point, RobotType
 from simulator.knowledge import Knowledge
 from simulator.navigation import Navigation
 from simulator.occupancy_grid import read_map_server
@@ -141,3 +141,25 @@ def test_cars_pass_one_another(tmp_path: Path, seed: int) -> None:
     hall = Hall(tmp_path, starts, goals, CAR)
     assert hall.drive(90.0) is not None
     assert hall.world.contacts.robot == hall.world.contacts.wall == 0
+
+
+def test_a_robot_that_only_a_wall_holds_leaves_it(tmp_path: Path) -> None:
+    hall = Hall(tmp_path, [(1.31, 1.5)], [(1.31, 1.5)])
+    (robot,) = hall.robots
+    robot.goals, robot.route = [(12.0, 2.5)], []
+    assert hall.driving.leave_wall(robot, hall.robots, 0.0)
+    for _ in range(40):
+        hall.driving.drive(hall.robots, 0.5, STEP_S)
+        hall.world.step(STEP_S)
+        robot.x, robot.y, robot.heading_rad = hall.world.pose(robot.id)
+    assert robot.x - 1.0 > robot.kind.radius_m + MARGIN_M
+    assert hall.world.contacts.wall == 0
+    robot.timed = []
+    assert not hall.driving.leave_wall(robot, hall.robots, 2.0)
+    assert robot.timed == []
+
+
+def test_a_robot_beside_another_stays_with_right_of_way(tmp_path: Path) -> None:
+    hall = Hall(tmp_path, [(1.31, 1.5), (2.0, 1.5)], [(12.0, 2.5), (12.0, 1.5)])
+    assert not hall.driving.leave_wall(hall.robots[0], hall.robots, 0.0)
+    assert hall.robots[0].timed == []
