@@ -21,6 +21,7 @@ COMFORT_M = 0.2
 REACH_M = 0.45
 """how far from its edge a robot reaches a blockade or another robot"""
 _LOOK_AHEAD_M = 0.5
+_ON_ROUTE_M = 0.05
 
 
 class Navigation:
@@ -138,6 +139,7 @@ class Navigation:
         route = robot.route
         while robot.leg < len(route) - 2 and _passed(robot.position, route, robot.leg):
             robot.leg += 1
+        robot.leg = _caught_up(robot.position, route, robot.leg)
         a, b = route[robot.leg], route[robot.leg + 1]
         along = nearest_on_segment(robot.position, (a, b))
         left_m = math.dist(robot.position, route[-1])
@@ -152,9 +154,26 @@ class Navigation:
 def _passed(position: Point, route: list[Point], leg: int) -> bool:
     """Whether the leg's end lies behind, or as good as reached."""
     a, b = route[leg], route[leg + 1]
-    if math.dist(position, b) < 0.05:
+    if math.dist(position, b) < _ON_ROUTE_M:
         return True
     return (position[0] - b[0]) * (b[0] - a[0]) + (position[1] - b[1]) * (b[1] - a[1]) > 0
+
+
+def _caught_up(position: Point, route: list[Point], leg: int) -> int:
+    """The last of the next legs that the robot stands on.
+
+    Where a route turns back on itself, the carrot would else be where the robot is already.
+    """
+    along = nearest_on_segment(position, (route[leg], route[leg + 1]))
+    ahead_m, last = math.dist(along, route[leg + 1]), leg
+    for later in range(leg + 1, len(route) - 1):
+        if ahead_m > 2.0 * _LOOK_AHEAD_M:
+            break
+        a, b = route[later], route[later + 1]
+        if math.dist(position, nearest_on_segment(position, (a, b))) < _ON_ROUTE_M:
+            last = later
+        ahead_m += math.dist(a, b)
+    return last
 
 
 def _advance(route: list[Point], leg: int, along: Point, ahead_m: float) -> Point:

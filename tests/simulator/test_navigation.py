@@ -143,6 +143,13 @@ def test_the_carrot_lies_ahead_on_the_route_and_in_plain_reach(navigation: Navig
     assert robot.leg == 1
 
 
+def test_a_loop_of_the_route_is_left_out(navigation: Navigation) -> None:
+    robot = robot_at(3.0, 3.51)
+    robot.follow([(3.35, 3.31), (3.4, 3.5), (3.2, 3.5), (3.0, 3.5), (2.0, 3.5)])
+    point, _ = navigation.carrot(robot)
+    assert point == pytest.approx((2.5, 3.5))
+
+
 def densely(route: list[Point]) -> list[Point]:
     points = []
     for (ax, ay), (bx, by) in itertools.pairwise(route):
