@@ -189,6 +189,7 @@ class Search:
         attachments: Mapping[str, object],
         *,
         timeout_s: float | None,
+        cpu_timeout_s: float | None,
         seed: int,
         threads: int,
         node_limit: int | None,

@@ -309,6 +309,7 @@ def started(
         problem,
         as_dict(attachments),
         timeout_s=limits.timeout_s,
+        cpu_timeout_s=limits.cpu_timeout_s,
         seed=limits.seed,
         threads=limits.threads,
         node_limit=limits.node_limit,

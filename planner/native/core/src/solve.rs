@@ -20,6 +20,9 @@ use crate::task::Task;
 pub struct SolveOptions<'a> {
     /// Wall-clock time from the call on, grounding included; `None` is until done.
     pub timeout: Option<Duration>,
+    /// CPU time of this process, counted from its start, by which the caller stops the search. Only
+    /// how the time is divided depends on it.
+    pub cpu_deadline: Option<Duration>,
     /// Seed of all random choices.
     pub seed: u64,
     /// Threads that search; with one, a seed and a node limit the same input gives the same plans.
@@ -90,6 +93,7 @@ impl Default for SolveOptions<'_> {
     fn default() -> Self {
         Self {
             timeout: Some(Duration::from_secs(10)),
+            cpu_deadline: None,
             seed: 0,
             threads: 1,
             node_limit: None,

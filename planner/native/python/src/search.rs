@@ -36,6 +36,7 @@ const SEPARATION_S: f64 = 0.001;
 #[derive(Clone)]
 struct Settings {
     timeout: Option<Duration>,
+    cpu_deadline: Option<Duration>,
     seed: u64,
     threads: usize,
     node_limit: Option<u64>,
@@ -94,13 +95,14 @@ struct Heard {
 impl Search {
     /// Starts searching.
     #[new]
-    #[pyo3(signature = (problem, attachments, *, timeout_s, seed, threads, node_limit, memory_limit,
+    #[pyo3(signature = (problem, attachments, *, timeout_s, cpu_timeout_s, seed, threads, node_limit, memory_limit,
         first_plan_only, warm_start, heuristic, space, promptness))]
     #[allow(clippy::too_many_arguments)] // keywords of one Python call
     fn new(
         problem: &Problem,
         attachments: &Bound<'_, PyDict>,
         timeout_s: Option<f64>,
+        cpu_timeout_s: Option<f64>,
         seed: u64,
         threads: usize,
         node_limit: Option<u64>,
@@ -117,6 +119,7 @@ impl Search {
         let cancel = Arc::new(AtomicBool::new(false));
         let settings = Settings {
             timeout: timeout_s.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
+            cpu_deadline: cpu_timeout_s.and_then(|s| Duration::try_from_secs_f64(s).ok()),
             seed,
             threads,
             node_limit,
@@ -287,6 +290,7 @@ fn run(
     let defaults = SolveOptions::default();
     let options = SolveOptions {
         timeout: settings.timeout,
+        cpu_deadline: settings.cpu_deadline,
         seed: settings.seed,
         threads: settings.threads,
         node_limit: settings.node_limit,

@@ -5,6 +5,7 @@
 //! express the task, and is the one that proves by exhaustion.
 
 mod alternation;
+mod cpu_clock;
 mod exchange;
 mod incumbent;
 mod prelude;
@@ -32,6 +33,7 @@ use crate::schedule::{Optimiser, Promptness, Schedule};
 use crate::solve::{SolveError, SolveOptions, SolveReport, Space};
 use crate::task::Task;
 
+use cpu_clock::CpuClock;
 use incumbent::Incumbent;
 
 /// Times that differ by less count as equal when states are compared: an order of epsilons is no
@@ -61,6 +63,7 @@ struct Setting<'a> {
     attachments: &'a dyn Attachments,
     options: &'a SolveOptions<'a>,
     begun: Instant,
+    cpu_clock: CpuClock,
     compiled: &'a Compiled<'a>,
     relaxed: &'a RelaxedTask,
     successors: &'a Successors,
@@ -124,8 +127,11 @@ impl<'a> Setting<'a> {
         }
     }
 
+    /// When the time is used up, as far as can be told now.
     fn deadline(&self) -> Option<Instant> {
-        self.options.timeout.map(|timeout| self.begun + timeout)
+        let timeout = self.options.timeout.map(|timeout| self.begun + timeout);
+        let used_up = self.cpu_clock.used_up(self.options);
+        timeout.into_iter().chain(used_up).min()
     }
 
     fn interrupted(&self) -> Option<Outcome> {
@@ -266,6 +272,7 @@ pub fn run(
         attachments,
         options,
         begun,
+        cpu_clock: CpuClock::start(),
         compiled: &compiled,
         relaxed: &relaxed,
         successors: &successors,

@@ -36,6 +36,32 @@ pub enum Ending {
     Unsolvable,
 }
 
+/// How a cycle of annealing is divided.
+#[derive(Clone, Copy, Debug)]
+enum Cooling {
+    /// By the lists tried.
+    Lists(u64),
+    /// By the clock, from when to when: how many lists that will be is a guess.
+    Clock(Instant, Instant),
+}
+
+impl Cooling {
+    fn until(deadline: Instant) -> Self {
+        Self::Clock(Instant::now(), deadline)
+    }
+
+    /// What part of the cycle is over.
+    fn progress(self, lists: u64) -> f64 {
+        match self {
+            Self::Lists(length) => lists as f64 / length as f64,
+            Self::Clock(begun, end) => {
+                let whole_s = end.saturating_duration_since(begun).as_secs_f64();
+                begun.elapsed().as_secs_f64() / whole_s
+            }
+        }
+    }
+}
+
 /// Searches the list schedules of one task; deterministic for task, seed and node limit.
 #[derive(Clone, Debug)]
 pub struct Optimiser<'t> {
@@ -143,12 +169,15 @@ impl<'t> Optimiser<'t> {
                 None => self.affordable(limits, begun, nodes_before),
             };
             // A short remainder joins the last cycle: a cycle that is cut off ends hot.
-            let length = if remaining < 2 * self.cycle_length {
-                remaining
+            let cooling = if remaining >= 2 * self.cycle_length {
+                Cooling::Lists(self.cycle_length)
             } else {
-                self.cycle_length
+                match limits.deadline {
+                    Some(deadline) if limits.nodes.is_none() => Cooling::until(deadline),
+                    _ => Cooling::Lists(remaining),
+                }
             };
-            self.anneal(self.cycle, length, limits, on_plan);
+            self.anneal(self.cycle, cooling, limits, on_plan);
             self.cycle += 1;
             self.cycle_length += self.cycle_length / 2;
         }
@@ -304,7 +333,7 @@ impl<'t> Optimiser<'t> {
     fn anneal(
         &mut self,
         cycle: u32,
-        length: u64,
+        cooling: Cooling,
         limits: &Limits<'_>,
         on_plan: &mut dyn FnMut(&Schedule),
     ) {
@@ -320,12 +349,15 @@ impl<'t> Optimiser<'t> {
             }
         }
         let scale = value.abs().max(1e-3);
-        for iteration in 0..length {
+        for iteration in 0.. {
+            let progress = cooling.progress(iteration);
+            if progress >= 1.0 {
+                break;
+            }
             if self.proved() || stop() {
                 return;
             }
             self.nodes += 1;
-            let progress = iteration as f64 / length as f64;
             let temperature = scale * HOT * (COLD / HOT).powf(progress);
             let luck: f64 = self.workshop.random.random();
             let accepted = value - temperature * luck.max(1e-12).ln();
@@ -363,5 +395,23 @@ impl Optimiser<'_> {
     #[must_use]
     pub fn exploration_counts(&self) -> (u64, u64) {
         (self.workshop.achieved, self.workshop.exploration.settled)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::Cooling;
+
+    #[test]
+    fn cycles_end_with_their_lists_or_with_their_time() {
+        assert_eq!(Cooling::Lists(8).progress(2), 0.25);
+        assert_eq!(Cooling::Lists(8).progress(8), 1.0);
+        let soon = Cooling::until(Instant::now() + Duration::from_secs(3600));
+        assert!(soon.progress(u64::MAX) < 0.1);
+        let now = Instant::now();
+        let over = Cooling::Clock(now - Duration::from_millis(20), now);
+        assert!(over.progress(0) >= 1.0);
     }
 }
