@@ -14,7 +14,7 @@ from simulator.robot import Robot
 def may_dock(carrier: Robot, rover: Robot, robots: Iterable[Robot], navigation: Navigation) -> bool:
     """Whether both stand within reach of one another and there is a free place aboard."""
     aboard = sum(robot.carrier == carrier.id for robot in robots)
-    if aboard >= carrier.kind.capacity or carrier.is_busy or rover.is_busy:
+    if aboard >= carrier.kind.capacity or carrier.is_busy or rover.is_busy or rover.is_aboard:
         return False
     for one, other in ((carrier, rover), (rover, carrier)):
         command = one.command

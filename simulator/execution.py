@@ -212,6 +212,9 @@ class Execution:
         if docks == (rover.carrier == carrier.id):
             self._finish(robot, time_s)
             return True
+        if docks and rover.is_aboard:
+            self._give_up(robot, time_s, f"{rover.id} rides on {rover.carrier}")
+            return True
         if docks and not may_dock(carrier, rover, self.robots.values(), self._navigation(robot)):
             return False
         if not docks and (

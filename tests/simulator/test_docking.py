@@ -56,6 +56,12 @@ def test_a_full_or_busy_carrier_takes_nobody(navigation: Navigation) -> None:
     assert not may_dock(carrier, rover, [carrier, rover], navigation)
 
 
+def test_a_rover_that_rides_docks_with_no_other_carrier(navigation: Navigation) -> None:
+    carrier, rover = pair((4.0, 3.0), (5.0, 3.0))
+    rover.carrier, rover.command_over = "other", True
+    assert not may_dock(carrier, rover, [carrier, rover], navigation)
+
+
 def test_nobody_is_docked_in_the_middle_of_something_else(navigation: Navigation) -> None:
     carrier, rover = pair((4.0, 3.0), (5.0, 3.0))
     rover.command = Command("other", "rover", "explore", "target")

@@ -221,6 +221,18 @@ def ferry(folder: Path) -> FleetScenario:
     )
 
 
+def test_a_carrier_gives_up_on_a_rover_that_rides_on_another(tmp_path: Path) -> None:
+    scenario = ferry(tmp_path)
+    starts = [RobotStart(f"carrier_{k}", "carrier", (2.0, 3.5 + k, 0.0)) for k in (0, 1)]
+    rover = RobotStart("rover_1", "rover", (3.0, 3.5, 0.0))
+    room = Room(replace(scenario, robots=(*starts, rover)))
+    room.robots["rover_1"].carrier = "carrier_1"
+    room.order([Command("c1", "carrier_0", "dock", "meeting", "rover_1")])
+    room.execution.update(1.0)
+    assert room.endings() == [("c1", "path blocked: rover_1 rides on carrier_1")]
+    assert room.robots["rover_1"].carrier == "carrier_1"
+
+
 def test_a_docked_rover_moves_with_its_carrier(tmp_path: Path) -> None:
     result = run(ferry(tmp_path), Ferry())
     assert result.outcome == "completed"
