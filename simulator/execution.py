@@ -217,11 +217,12 @@ class Execution:
             return True
         if docks and not may_dock(carrier, rover, self.robots.values(), self._navigation(robot)):
             return False
-        if not docks and (
-            carrier.is_busy or (carrier is robot and not self._has_arrived(robot, command))
-        ):
-            return False
-        if not docks and carrier is not robot and carrier.activity == "driving":
+        comes = (
+            not self._has_arrived(robot, command)
+            if carrier is robot
+            else carrier.activity == "driving"
+        )
+        if not docks and (carrier.is_busy or comes):
             return False
         kind, duration_s = (
             ("docking", self.scenario.dock_duration_s)
