@@ -35,10 +35,6 @@ from service.messages.plan import PlanStep
 LOG = logging.getLogger(__name__)
 LAG_TOLERATED = 0.1
 """Part of the time left by which a team may be late that goes on without a new search."""
-FULL_SEARCH = 120
-"""Robots times goals up to which a team that explores searches as long as it may."""
-LEAST_NODES = 100
-"""Search nodes that a revised plan gets in any case."""
 PRIORITY_SLACK = 1.05
 """A plan for everything may visit urgent targets this much later than a plan for them alone."""
 
@@ -243,7 +239,7 @@ class Planning:
             self.formulation.problem(self.world, state, sorted(goals)),
             attachments=self.attachments,
             timeout_s=planning.time_limit_s,
-            node_limit=self._node_limit(len(goals)),
+            node_limit=planning.node_limit,
             seed=planning.seed,
             warm_start=self._warm_start(state, goals),
             promptness=PROMPTNESS if self.situation.explores_with_carriers else 0.0,
@@ -266,20 +262,6 @@ class Planning:
         near = replace(near, meeting_points=places)
         names = self.formulation.names
         return near if names(near).agree_with(names(self.state)) else state
-
-    def _node_limit(self, goals: int) -> int | None:
-        """Search nodes; fewer for a large problem where every few seconds bring another one.
-
-        A plan that is revised again and again needs no long search each time, and a list takes
-        the longer the more robots and goals it is about: each goal is looked for from each robot,
-        so their product to the power of 1.4 in measurements.
-        """
-        limit = self.situation.planning.node_limit
-        if limit is None or not self.situation.explores_with_carriers:
-            return limit
-        size = max(len(self.state.robots) * goals, 1)
-        share: float = (FULL_SEARCH / size) ** 1.4
-        return min(limit, max(LEAST_NODES, round(limit * share)))
 
     # The plan in force
 
