@@ -16,6 +16,7 @@ mod application;
 mod changes;
 mod compilation;
 mod construction;
+mod cooling;
 mod dispatch;
 mod distances;
 mod envelopes;

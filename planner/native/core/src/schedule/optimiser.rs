@@ -7,6 +7,7 @@ use std::time::Instant;
 use rand::RngExt;
 
 use crate::schedule::construction::Manner;
+use crate::schedule::cooling::Cooling;
 use crate::schedule::limits::Limits;
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::model::NONE;
@@ -34,32 +35,6 @@ pub enum Ending {
     Limit,
     /// The relaxation has no plan.
     Unsolvable,
-}
-
-/// How a cycle of annealing is divided.
-#[derive(Clone, Copy, Debug)]
-enum Cooling {
-    /// By the lists tried.
-    Lists(u64),
-    /// By the clock, from when to when: how many lists that will be is a guess.
-    Clock(Instant, Instant),
-}
-
-impl Cooling {
-    fn until(deadline: Instant) -> Self {
-        Self::Clock(Instant::now(), deadline)
-    }
-
-    /// What part of the cycle is over.
-    fn progress(self, lists: u64) -> f64 {
-        match self {
-            Self::Lists(length) => lists as f64 / length as f64,
-            Self::Clock(begun, end) => {
-                let whole_s = end.saturating_duration_since(begun).as_secs_f64();
-                begun.elapsed().as_secs_f64() / whole_s
-            }
-        }
-    }
 }
 
 /// Searches the list schedules of one task; deterministic for task, seed and node limit.
@@ -395,23 +370,5 @@ impl Optimiser<'_> {
     #[must_use]
     pub fn exploration_counts(&self) -> (u64, u64) {
         (self.workshop.achieved, self.workshop.exploration.settled)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::time::{Duration, Instant};
-
-    use super::Cooling;
-
-    #[test]
-    fn cycles_end_with_their_lists_or_with_their_time() {
-        assert_eq!(Cooling::Lists(8).progress(2), 0.25);
-        assert_eq!(Cooling::Lists(8).progress(8), 1.0);
-        let soon = Cooling::until(Instant::now() + Duration::from_secs(3600));
-        assert!(soon.progress(u64::MAX) < 0.1);
-        let now = Instant::now();
-        let over = Cooling::Clock(now - Duration::from_millis(20), now);
-        assert!(over.progress(0) >= 1.0);
     }
 }
