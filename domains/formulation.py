@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from math import isfinite
 from pathlib import Path
 
@@ -78,6 +79,12 @@ def place_of(robot: str) -> str:
     return f"{robot} place"
 
 
+@lru_cache(maxsize=64)
+def _names_of(ids: tuple[str, ...]) -> Names:
+    """Asked for many times a decision, always by the same ids."""
+    return Names(ids)
+
+
 class Formulation(ABC):
     """A domain's view of a mission.
 
@@ -140,12 +147,14 @@ class Formulation(ABC):
     @staticmethod
     def names(state: MissionState) -> Names:
         """PDDL names of everything in a state, the same for the same state."""
-        return Names(
-            [robot.id for robot in state.robots]
-            + [target.id for target in state.targets]
-            + [blockade.id for blockade in state.blockades]
-            + [meeting.id for meeting in state.meeting_points]
-            + [place_of(robot.id) for robot in state.robots]
+        return _names_of(
+            (
+                *(robot.id for robot in state.robots),
+                *(target.id for target in state.targets),
+                *(blockade.id for blockade in state.blockades),
+                *(meeting.id for meeting in state.meeting_points),
+                *(place_of(robot.id) for robot in state.robots),
+            )
         )
 
     def world(

@@ -70,8 +70,10 @@ class Guarded:
             EvaluationError: with the position of the call that failed, as far as that is known.
         """
         calls = tuple(tuple(call) for call in calls)
+        expected = len(self.attachment.parameters)
         for position, call in enumerate(calls):
-            self._check_count(call, position)
+            if len(call) != expected:
+                self._check_count(call, position)
         if self.attachment.purity is Purity.FLUENTS:
             return [self._remembered(call, state, i) for i, call in enumerate(calls)]
         return self._values(calls, state)
@@ -102,7 +104,7 @@ class Guarded:
             raise EvaluationError(f"many() returned {_shown(found)}, no sequence") from None
         if len(values) != len(calls):
             raise EvaluationError(f"many() returned {len(values)} values for {len(calls)} calls")
-        return [self._check(value, position) for position, value in enumerate(values)]
+        return self._checked(values)
 
     def _singles(self, calls: tuple[Call, ...], state: StateView | None) -> list[float]:
         """The single form for each call; the time limit holds for each, the thread is one."""
@@ -121,7 +123,7 @@ class Guarded:
             self._run(each, (calls,), state, state_first=False, progress_s=progress_s)
         except EvaluationError as error:
             failure = error
-        values = [self._check(value, position) for position, value in enumerate(tuple(found))]
+        values = self._checked(tuple(found))
         if failure is not None:
             failure.position = min(len(values), len(calls) - 1)
             raise failure
@@ -182,6 +184,15 @@ class Guarded:
         expected = len(self.attachment.parameters)
         if len(call) != expected:
             raise EvaluationError(f"it takes {expected} arguments, not {len(call)}", position)
+
+    def _checked(self, values: Sequence[Any]) -> list[float]:
+        if self.attachment.kind is Kind.COST:
+            # Nearly all are plain numbers of the right sign: thousands a decision, told at a glance.
+            return [
+                value if type(value) is float and value >= 0.0 else self._check(value, position)
+                for position, value in enumerate(values)
+            ]
+        return [self._check(value, position) for position, value in enumerate(values)]
 
     def _check(self, value: Any, position: int) -> float:
         if self.attachment.kind is Kind.CONDITION:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import isinf, sqrt
 from typing import Protocol, Self
 
 import numpy as np
@@ -81,16 +81,29 @@ class MapChange:
         """(n,) whether each (first cell, second cell, leg) may have another shortest path now."""
         if not legs:
             return np.zeros(0, dtype=bool)
-        touched = self._crosses(legs) | self._may_shorten(legs, any_angle)
+        touched = self._crosses(legs)
+        touched[~touched] = self._may_shorten(
+            [leg for leg, hit in zip(legs, touched, strict=True) if not hit], any_angle
+        )
         changed = self.closed | self.opened
         reach = int(snap_limit_cells) + 2
-        for index, (first, second, leg) in enumerate(legs):
-            for cell, snapped in zip((first, second), leg.snapped, strict=True):
-                if snapped or np.isinf(leg.length):
-                    row, column = divmod(cell, changed.shape[1])
-                    rows = slice(max(row - reach, 0), row + reach + 1)
-                    columns = slice(max(column - reach, 0), column + reach + 1)
-                    touched[index] |= bool(changed[rows, columns].any())
+        near: dict[int, bool] = {}
+        """Whether the map has changed around a cell."""
+
+        def changed_near(cell: int) -> bool:
+            known = near.get(cell)
+            if known is None:
+                row, column = divmod(cell, changed.shape[1])
+                rows = slice(max(row - reach, 0), row + reach + 1)
+                columns = slice(max(column - reach, 0), column + reach + 1)
+                known = near[cell] = bool(changed[rows, columns].any())
+            return known
+
+        for index in np.flatnonzero(~touched):
+            first, second, leg = legs[index]
+            # A robot that has no way may get one by another beginning of it.
+            ends = (True, True) if isinf(leg.length) else leg.snapped
+            touched[index] = (ends[0] and changed_near(first)) or (ends[1] and changed_near(second))
         return touched
 
     def _crosses(self, legs: Sequence[tuple[int, int, Measured]]) -> NDArray[np.bool_]:
@@ -103,8 +116,9 @@ class MapChange:
         self, legs: Sequence[tuple[int, int, Measured]], any_angle: bool
     ) -> NDArray[np.bool_]:
         cells = np.flatnonzero(self.opened)
-        if cells.size == 0:
+        if cells.size == 0 or not legs:
             return np.zeros(len(legs), dtype=bool)
+        lengths = np.array([leg.length for _, _, leg in legs])
         width = self.opened.shape[1]
         places = sorted({cell for first, second, _ in legs for cell in (first, second)})
         number = {cell: index for index, cell in enumerate(places)}
@@ -122,10 +136,12 @@ class MapChange:
         else:
             most, least = np.maximum(rows_away, columns_away), np.minimum(rows_away, columns_away)
             away = most + (sqrt(2) - 1) * least
-        detours = np.array(
-            [np.min(away[number[first]] + away[number[second]]) for first, second, _ in legs]
-        )
-        return np.asarray(detours < np.array([leg.length for _, _, leg in legs]) - 1e-9)
+        # Where there was no way, any opened cell may make one.
+        detours = np.zeros(len(legs))
+        for index in np.flatnonzero(np.isfinite(lengths)):
+            first, second, _ = legs[index]
+            detours[index] = (away[number[first]] + away[number[second]]).min()
+        return np.asarray(detours < lengths - 1e-9)
 
 
 def _with_neighbours(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:

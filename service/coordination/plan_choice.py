@@ -32,11 +32,11 @@ def steadiest(
         plans: at least one, each better than the one before.
     """
     best, names = plans[-1], formulation.names(state)
-    steady = [plan for plan in plans if _keeps(plan, going, formulation, state)]
-    if not steady or steady[-1] is best:
+    steady = next((p for p in reversed(plans) if _keeps(p, going, formulation, state)), best)
+    if steady is best:
         return best
-    kept_s, best_s = (worth_s(plan, formulation, names) for plan in (steady[-1], best))
-    return best if best_s < kept_s * (1.0 - GAIN) - GAIN_S else steady[-1]
+    kept_s, best_s = (worth_s(plan, formulation, names) for plan in (steady, best))
+    return best if best_s < kept_s * (1.0 - GAIN) - GAIN_S else steady
 
 
 def worth_s(plan: planner.Plan, formulation: Formulation, names: Names) -> float:
