@@ -187,7 +187,7 @@ class Guarded:
 
     def _checked(self, values: Sequence[Any]) -> list[float]:
         if self.attachment.kind is Kind.COST:
-            # Nearly all are plain numbers of the right sign: thousands a decision, told at a glance.
+            # Nearly all are plain numbers of the right sign, thousands a decision.
             return [
                 value if type(value) is float and value >= 0.0 else self._check(value, position)
                 for position, value in enumerate(values)

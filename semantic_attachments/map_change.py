@@ -99,7 +99,7 @@ class MapChange:
                 known = near[cell] = bool(changed[rows, columns].any())
             return known
 
-        for index in np.flatnonzero(~touched):
+        for index in np.flatnonzero(~touched).tolist():
             first, second, leg = legs[index]
             # A robot that has no way may get one by another beginning of it.
             ends = (True, True) if isinf(leg.length) else leg.snapped
@@ -138,7 +138,7 @@ class MapChange:
             away = most + (sqrt(2) - 1) * least
         # Where there was no way, any opened cell may make one.
         detours = np.zeros(len(legs))
-        for index in np.flatnonzero(np.isfinite(lengths)):
+        for index in np.flatnonzero(np.isfinite(lengths)).tolist():
             first, second, _ = legs[index]
             detours[index] = (away[number[first]] + away[number[second]]).min()
         return np.asarray(detours < lengths - 1e-9)
