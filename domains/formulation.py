@@ -37,6 +37,8 @@ def asked(
 def reachable(cost: PathCost, robot: str, starts: Iterable[str], goals: Iterable[str]) -> set[str]:
     """The goals that a robot can reach from one of the starts, all PDDL names; asked at once."""
     calls = [(robot, start, goal) for goal in goals for start in starts]
+    if not calls:
+        return set()
     return {call[2] for call, time_s in asked(cost, calls).items() if isfinite(time_s)}
 
 

@@ -44,7 +44,6 @@ class Single:
         return [self.function(*call) for call in calls]
 
 
-@dataclass(frozen=True, slots=True)
 class ExploreCosts:
     """Travel time, and the time that exploring what lies behind the goal is expected to take.
 
@@ -52,26 +51,26 @@ class ExploreCosts:
     at the speed it drives with.
     """
 
-    world: World
-    travel: PathCosts
+    def __init__(self, world: World, travel: PathCosts) -> None:
+        self._travel = travel
+        self._unknown_m2 = {
+            name: max(location.unknown_m2, 0.0) for name, location in world.locations.items()
+        }
+        self._sweeps_m2_s = {
+            name: max(2.0 * model.sensor_range_m * model.speed_m_s, 1e-9)
+            for name, model in world.robots.items()
+        }
 
     def __call__(self, *arguments: str) -> float:
         return self.many([arguments])[0]
 
     def many(self, calls: Sequence[tuple[str, ...]]) -> list[float]:
         """Times [s] of many (robot, from, to), in their order."""
-        times_s = self.travel.many(calls)
+        unknown_m2, sweeps_m2_s = self._unknown_m2, self._sweeps_m2_s
         return [
-            time_s + self._sweep_s(call[0], call[-1])
-            for call, time_s in zip(calls, times_s, strict=True)
+            time_s + unknown_m2[call[2]] / sweeps_m2_s[call[0]]
+            for call, time_s in zip(calls, self._travel.many(calls), strict=True)
         ]
-
-    def _sweep_s(self, robot: str, goal: str) -> float:
-        unknown_m2 = self.world.locations[goal].unknown_m2
-        if unknown_m2 <= 0.0:
-            return 0.0
-        model = self.world.robots[robot]
-        return unknown_m2 / max(2.0 * model.sensor_range_m * model.speed_m_s, 1e-9)
 
 
 def _explore_cost(world: World, memory: Memory) -> Evaluator:

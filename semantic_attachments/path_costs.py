@@ -24,6 +24,9 @@ from semantic_attachments.map_change import MapChange
 from semantic_attachments.robot_class import GridParameters, RobotClass, fastest_m_s
 from semantic_attachments.world import GridMap, Location, World
 
+Times = dict[tuple[str, ...], float]
+"""Travel times [s] by the names of (from, to)."""
+
 
 @dataclass(slots=True)
 class Statistics:
@@ -58,6 +61,11 @@ class PathCosts:
             for name, model in world.robots.items()
         }
         self._classes = tuple(classes)
+        alike: dict[tuple[int, float], Times] = {}
+        self._told: dict[str, Times] = {
+            name: alike.setdefault(kind, {}) for name, kind in self._robots.items()
+        }
+        """What was answered before, by robot; those that drive alike share it."""
         self._layers: dict[int, Layer] = {}
         """By the number of the robots' class."""
         places = {name: self._place(location) for name, location in world.locations.items()}
@@ -95,20 +103,30 @@ class PathCosts:
         Raises:
             EvaluationError: if the world has no such robot or location.
         """
+        nowhere: Times = {}
+        told = self._told
         with self._lock:
-            wanted: dict[int, dict[Pair, None]] = {}
-            resolved = []
-            for call in calls:
-                number, speed_m_s, start, goal = self._resolve(call)
-                pair = None
-                if start is not None and goal is not None:
-                    pair = (start, goal) if start < goal else (goal, start)
-                    if start != goal:
-                        wanted.setdefault(number, {})[pair] = None
-                resolved.append((number, speed_m_s, pair))
-            for number, pairs in wanted.items():
-                self._count(self._layer(number), pairs)
-            return [self._duration_s(*entry) for entry in resolved]
+            new = [call for call in calls if not call or call[1:] not in told.get(call[0], nowhere)]
+            if new:
+                self._tell(new)
+            return [told[call[0]][call[1:]] for call in calls]
+
+    def _tell(self, calls: Sequence[tuple[str, ...]]) -> None:
+        """Computes what nobody has asked for yet."""
+        wanted: dict[int, dict[Pair, None]] = {}
+        resolved = []
+        for call in calls:
+            number, speed_m_s, start, goal = self._resolve(call)
+            pair = None
+            if start is not None and goal is not None:
+                pair = (start, goal) if start < goal else (goal, start)
+                if start != goal:
+                    wanted.setdefault(number, {})[pair] = None
+            resolved.append((number, speed_m_s, pair))
+        for number, pairs in wanted.items():
+            self._count(self._layer(number), pairs)
+        for call, entry in zip(calls, resolved, strict=True):
+            self._told[call[0]][call[1:]] = self._duration_s(*entry)
 
     def path(self, robot: str, start: str, goal: str) -> NDArray[np.float64]:
         """(n, 2) way points [m] from one location to another, none if there is no way.

@@ -147,13 +147,17 @@ class MarsupialFormulation(Formulation):
             ]
             for robot in team
         }
+        # Places that a robot has looked out from: what it could not reach stays out of its reach.
+        departed: dict[str, set[str]] = {robot.id: set() for robot in team}
         changed = True
         while changed:
             changed = False
             for robot in team:
                 been = reached[robot.id]
                 left = [goal for goal in (*own[robot.id], *meetings) if goal not in been]
-                arrivals = reachable(cost, names.name(robot.id), sorted(been), left)
+                starts = been - departed[robot.id]
+                departed[robot.id] |= starts
+                arrivals = reachable(cost, names.name(robot.id), sorted(starts), left)
                 if robot.type == "rover":
                     arrivals |= self._carried(robot, team, reached, set(meetings)) - been
                 changed |= bool(arrivals)
