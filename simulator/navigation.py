@@ -57,9 +57,7 @@ class Navigation:
         if kind.enters not in self._floors:
             forbidden = self.grid.forbidden(kind.enters)
             self._floors[kind.enters] = (
-                Floor(self.grid.walls(), self.grid.resolution_m, self.grid.origin_m, forbidden)
-                if forbidden.any()
-                else self.walls
+                self.walls.forbidding(forbidden) if forbidden.any() else self.walls
             )
         return self._floors[kind.enters]
 

@@ -3,31 +3,39 @@
 //! Felzenszwalb and Huttenlocher, "Distance Transforms of Sampled Functions", Theory of Computing 8
 //! (2012), section 2, with one change: the sources are whole squares instead of their centres, so that
 //! the result is a body's true clearance. A square reaches half a cell to each side, hence the column
-//! pass works on a lattice of half cells. Linear in the number of cells.
+//! pass looks from centres at the edges between rows; in its own row a centre sees the gap along it.
+//! Linear in the number of cells.
+
+/// Columns that are worked on together: as many as share the lines of the processor's cache.
+const BLOCK: usize = 16;
 
 /// Distances in cells, row-major like `occupied`; whatever lies outside the grid counts as occupied.
 pub fn distances_to_squares(occupied: &[bool], width: usize, height: usize) -> Vec<f32> {
     let mut distances = row_distances(occupied, width, height);
-    let half_cells = 2 * (height + 2) + 1;
-    let mut samples = vec![0.0_f32; half_cells];
-    let mut envelope = Envelope::with_capacity(half_cells);
-    for column in 0..width {
-        samples.fill(f32::INFINITY);
-        for row in 0..height + 2 {
-            let inside = (1..=height).contains(&row);
-            let gap = if inside {
-                distances[(row - 1) * width + column]
-            } else {
-                0.0
-            };
-            let squared = gap * gap;
-            for sample in &mut samples[2 * row..=2 * row + 2] {
-                *sample = sample.min(squared);
+    let mut block = vec![0.0_f32; BLOCK * height];
+    let mut edges = vec![0.0_f32; height + 1];
+    let mut envelope = Envelope::with_capacity(height + 1);
+    for first in (0..width).step_by(BLOCK) {
+        let columns = BLOCK.min(width - first);
+        for (row, line) in distances.chunks_exact(width).enumerate() {
+            for (column, gap) in line[first..first + columns].iter().enumerate() {
+                block[column * height + row] = gap * gap;
             }
         }
-        envelope.build(&samples);
-        for (row, squared) in envelope.at_centres(height).enumerate() {
-            distances[row * width + column] = squared.sqrt();
+        for gaps in block.chunks_exact_mut(height).take(columns) {
+            // Below the first row and above the last one everything is occupied.
+            edges[0] = 0.0;
+            edges[height] = 0.0;
+            for (edge, rows) in edges[1..].iter_mut().zip(gaps.windows(2)) {
+                *edge = rows[0].min(rows[1]);
+            }
+            envelope.build(&edges);
+            envelope.lower(gaps);
+        }
+        for (row, line) in distances.chunks_exact_mut(width).enumerate() {
+            for (column, distance) in line[first..first + columns].iter_mut().enumerate() {
+                *distance = block[column * height + row].sqrt();
+            }
         }
     }
     distances
@@ -55,7 +63,7 @@ fn row_distances(occupied: &[bool], width: usize, height: usize) -> Vec<f32> {
     gaps
 }
 
-/// Lower envelope of the parabolas `samples[u] + ((x - u) / 2)^2`, x and u in half cells.
+/// Lower envelope of the parabolas `edges[u] + (x - u)^2`, u the edge below row u [cells].
 struct Envelope {
     vertices: Vec<(f32, f32)>,
     starts: Vec<f32>,
@@ -69,11 +77,11 @@ impl Envelope {
         }
     }
 
-    fn build(&mut self, samples: &[f32]) {
+    fn build(&mut self, edges: &[f32]) {
         self.vertices.clear();
         self.starts.clear();
-        for (u, &sample) in samples.iter().enumerate() {
-            let (u, height) = (u as f32, 4.0 * sample);
+        for (u, &height) in edges.iter().enumerate() {
+            let u = u as f32;
             let mut start = f32::NEG_INFINITY;
             while let Some(&(v, other)) = self.vertices.last() {
                 start = ((height + u * u) - (other + v * v)) / (2.0 * (u - v));
@@ -89,17 +97,17 @@ impl Envelope {
         }
     }
 
-    /// Squared distances [cells^2] at the centres of the rows, bottom to top.
-    fn at_centres(&self, height: usize) -> impl Iterator<Item = f32> + '_ {
+    /// Lowers the squared distances [cells^2] at the rows' centres to the envelope.
+    fn lower(&self, squared: &mut [f32]) {
         let mut k = 0;
-        (0..height).map(move |row| {
-            let x = (2 * (row + 1) + 1) as f32;
+        for (row, squared) in squared.iter_mut().enumerate() {
+            let x = row as f32 + 0.5;
             while k + 1 < self.vertices.len() && self.starts[k + 1] < x {
                 k += 1;
             }
-            let (u, sample) = self.vertices[k];
-            (sample + (x - u) * (x - u)) / 4.0
-        })
+            let (u, height) = self.vertices[k];
+            *squared = squared.min(height + (x - u) * (x - u));
+        }
     }
 }
 

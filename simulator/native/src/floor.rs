@@ -1,6 +1,7 @@
 //! A floor plan: a grid of walls with each cell's clearance, in the map frame.
 
 use std::fmt;
+use std::sync::Arc;
 
 use crate::clearance::distances_to_squares;
 
@@ -24,8 +25,8 @@ pub struct Floor {
     pub resolution_m: f64,
     /// Lower left corner of cell (0, 0).
     pub origin_m: Point,
-    occupied: Vec<bool>,
-    clearance_m: Vec<f32>,
+    occupied: Arc<[bool]>,
+    clearance_m: Arc<[f32]>,
     /// Forbidden terrain, its cells as the walls of a floor of their own.
     terrain: Option<Box<Floor>>,
 }
@@ -69,27 +70,28 @@ impl Floor {
             height,
             resolution_m,
             origin_m,
-            occupied,
+            occupied: occupied.into(),
             clearance_m,
             terrain: None,
         })
     }
 
-    /// Forbids terrain, `true` where a body's centre may not be; its edge may hang over.
-    pub fn forbidding(mut self, forbidden: Vec<bool>) -> Result<Self, FloorError> {
-        self.terrain = if forbidden.contains(&true) {
+    /// The same walls with forbidden terrain, `true` where a body's centre may not be; its edge may
+    /// hang over.
+    pub fn forbidding(&self, forbidden: Vec<bool>) -> Result<Self, FloorError> {
+        let terrain = if forbidden.contains(&true) {
             let (width, height) = (self.width, self.height);
-            Some(Box::new(Self::new(
-                forbidden,
-                width,
-                height,
-                self.resolution_m,
-                self.origin_m,
-            )?))
+            let floor = Self::new(forbidden, width, height, self.resolution_m, self.origin_m)?;
+            Some(Box::new(floor))
         } else {
             None
         };
-        Ok(self)
+        Ok(Self {
+            occupied: Arc::clone(&self.occupied),
+            clearance_m: Arc::clone(&self.clearance_m),
+            terrain,
+            ..*self
+        })
     }
 
     /// Column and row of a position, or None outside.

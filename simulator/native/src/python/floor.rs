@@ -19,6 +19,10 @@ type Ranges<'py> = (Bound<'py, PyArray1<f32>>, Vec<i32>);
 #[pyclass(name = "Floor", module = "simulator._core", frozen)]
 pub struct PyFloor(Floor);
 
+fn cells(array: &PyReadonlyArray2<'_, bool>) -> Vec<bool> {
+    array.as_array().iter().copied().collect()
+}
+
 fn segments(quads: &[Quad]) -> Vec<Segment> {
     quads
         .iter()
@@ -40,22 +44,19 @@ fn pairs(points: Vec<Point>) -> Vec<Pair> {
 
 #[pymethods]
 impl PyFloor {
-    /// `forbidden` has the shape of `walls`: cells that a body's centre may not enter.
     #[new]
-    #[pyo3(signature = (walls, resolution_m, origin_m, forbidden=None))]
-    fn new(
-        walls: PyReadonlyArray2<'_, bool>,
-        resolution_m: f64,
-        origin_m: Pair,
-        forbidden: Option<PyReadonlyArray2<'_, bool>>,
-    ) -> PyResult<Self> {
+    fn new(walls: PyReadonlyArray2<'_, bool>, resolution_m: f64, origin_m: Pair) -> PyResult<Self> {
         let (height, width) = (walls.shape()[0], walls.shape()[1]);
-        let cells = walls.as_array().iter().copied().collect();
-        Floor::new(cells, width, height, resolution_m, [origin_m.0, origin_m.1])
-            .and_then(|floor| match forbidden {
-                Some(cells) => floor.forbidding(cells.as_array().iter().copied().collect()),
-                None => Ok(floor),
-            })
+        let origin_m = [origin_m.0, origin_m.1];
+        Floor::new(cells(&walls), width, height, resolution_m, origin_m)
+            .map(Self)
+            .map_err(|fault| PyValueError::new_err(fault.to_string()))
+    }
+
+    /// The same walls with cells that a body's centre may not enter; of the same shape.
+    fn forbidding(&self, forbidden: PyReadonlyArray2<'_, bool>) -> PyResult<Self> {
+        self.0
+            .forbidding(cells(&forbidden))
             .map(Self)
             .map_err(|fault| PyValueError::new_err(fault.to_string()))
     }
