@@ -136,6 +136,9 @@ class Attachment:
     such as `("energy", "robot")`."""
     thread_safe: bool = False
     """Whether two threads may ask it at once; if not, they wait for one another."""
+    quick: bool = False
+    """Whether it always answers soon, by a look at a table or a search of the map: then it is asked
+    in the planner's own thread, and no time limit is watched."""
 
     def __post_init__(self) -> None:
         names = {parameter.name for parameter in self.parameters}

@@ -45,7 +45,7 @@ class Guarded:
         self.purity = str(attachment.purity)
         self.quality = str(attachment.quality)
         self._function = function
-        self._limit = TimeLimit(time_limit_s)
+        self._limit = TimeLimit(None if attachment.quick else time_limit_s)
         self._lock = RLock()
         self._askers = Semaphore(_MOST_ASKERS)
         self._memo: dict[tuple[Any, ...], float] = {}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments._core import Traversability
+from semantic_attachments.neighbours import beside
 from semantic_attachments.world import Blockade
 
 MapState = tuple[Traversability, tuple[Blockade, ...], NDArray[np.float32] | None]
@@ -145,9 +146,7 @@ class MapChange:
 
 
 def _with_neighbours(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    from scipy import ndimage  # imported late: it takes longer than a first plan
-
-    return np.asarray(ndimage.binary_dilation(cells)) if cells.any() else cells
+    return cells | beside(cells) if cells.any() else cells
 
 
 def _outside(values: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[np.int64]:

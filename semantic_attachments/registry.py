@@ -134,6 +134,7 @@ def bind(
         attachments: further attachments, for those that are not installed.
         memory: that of the mission, so that values survive from one problem to the next.
         time_limit_s: the longest one evaluation, of a batch or a call, may take; None for no limit.
+            Those that are `quick` have none.
 
     Raises:
         BindingError: if a module resolves to nothing, or to another kind than the domain

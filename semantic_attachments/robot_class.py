@@ -94,7 +94,7 @@ class RobotClass:
         barred = [name not in self.enters for name in grid.terrain_classes]
         if any(barred):
             terrain = np.zeros_like(grid.cells, np.uint8) if grid.terrain is None else grid.terrain
-            forbidden |= np.array(barred)[terrain]
+            forbidden |= np.array(barred).take(terrain)
         return Traversability(
             solid,
             forbidden,

@@ -38,8 +38,8 @@ class OccupancyGrid:
         """(rows, columns): terrain that a robot entering only these classes stays out of."""
         if self.terrain is None:
             return np.full(self.cells.shape, "default" not in enters)
-        allowed = [c for c, name in enumerate(self.terrain_classes) if name in enters]
-        return np.isin(self.terrain, allowed, invert=True)
+        barred = np.array([name not in enters for name in self.terrain_classes])
+        return barred.take(self.terrain)
 
 
 def read_map_server(path: Path) -> OccupancyGrid:

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from semantic_attachments.neighbours import beside
+
 EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
 
 
@@ -41,6 +43,7 @@ def frontiers(
     which frontiers that see one another become one; clusters below `least_cells` cells are left
     out. Linear in the cells but for the joining, which is quadratic in the number of clusters.
     """
+    # By edges: across a corner nothing is to be seen.
     border = traversable & beside(unknown)
     if not border.any():
         return ()
@@ -63,16 +66,6 @@ def frontiers(
         Frontier(place, sum(len(cells) for cells in joined), int(components[place]))
         for place, joined in zip(places, seen_from, strict=True)
     )
-
-
-def beside(unknown: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Cells that share an edge with an unknown one; across a corner nothing is to be seen."""
-    near = np.zeros_like(unknown)
-    near[1:] |= unknown[:-1]
-    near[:-1] |= unknown[1:]
-    near[:, 1:] |= unknown[:, :-1]
-    near[:, :-1] |= unknown[:, 1:]
-    return near
 
 
 def clusters(border: NDArray[np.bool_]) -> list[NDArray[np.int64]]:

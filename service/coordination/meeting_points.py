@@ -10,11 +10,11 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from domains.mission_state import MeetingPoint
+from semantic_attachments.neighbours import grown
 from semantic_attachments.world import GridMap, RobotModel
-from service.coordination.frontiers import EIGHT_NEIGHBOURS, clusters
+from service.coordination.frontiers import clusters
 
 FREE_BELOW = 65
 SPACING_M = 10.0
@@ -41,7 +41,7 @@ def meeting_points(
         return ()
     for_carriers = _enterable(grid, carriers)
     for_riders_only = _enterable(grid, riders) & ~for_carriers
-    border = for_carriers & ndimage.binary_dilation(for_riders_only, EIGHT_NEIGHBOURS)
+    border = for_carriers & grown(for_riders_only)
     stretches = clusters(border)
     pieces = [piece for cells in stretches for piece in _cut(cells, grid.resolution_m)]
     cells = [(point, grid.cell_at(point.position_m)) for point in kept]
@@ -60,15 +60,13 @@ def is_meeting_point(place: str | None) -> bool:
 
 
 def _enterable(grid: GridMap, models: Sequence[RobotModel]) -> NDArray[np.bool_]:
-    classes = [
-        index
-        for index, name in enumerate(grid.terrain_classes)
-        if any(name in model.enters for model in models)
-    ]
+    classes = np.array(
+        [any(name in model.enters for model in models) for name in grid.terrain_classes]
+    )
     if grid.terrain is None:
         return np.zeros_like(grid.cells, dtype=np.bool_)
     known_free = (grid.cells >= 0) & (grid.cells < FREE_BELOW)
-    enterable: NDArray[np.bool_] = known_free & np.isin(grid.terrain, classes)
+    enterable: NDArray[np.bool_] = known_free & classes.take(grid.terrain)
     return enterable
 
 

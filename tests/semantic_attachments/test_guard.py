@@ -1,6 +1,7 @@
 """Bad attachments: each fault is an error that says what was wrong, never a wrong value."""
 
 import math
+import threading
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -90,6 +91,18 @@ def test_a_sleeper_is_given_up_and_the_next_call_works() -> None:
     with pytest.raises(EvaluationError, match=r"took longer than 0.2 s"):
         attachment("slow")
     assert attachment("fast") == 1.0
+
+
+def test_a_quick_attachment_is_asked_in_the_thread_that_asks() -> None:
+    asked_in: list[int] = []
+
+    def note(_: str) -> float:
+        asked_in.append(threading.get_ident())
+        return 1.0
+
+    assert guarded(note, time_limit_s=1.0, quick=True)("a") == 1.0
+    assert guarded(note, time_limit_s=1.0)("a") == 1.0
+    assert asked_in[0] == threading.get_ident() != asked_in[1]
 
 
 def test_the_time_limit_holds_for_each_call_of_many() -> None:

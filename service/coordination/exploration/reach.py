@@ -11,10 +11,10 @@ from scipy import ndimage
 
 from semantic_attachments._core import Region, Traversability
 from semantic_attachments.contract import Memory
+from semantic_attachments.neighbours import grown
 from semantic_attachments.robot_class import GridParameters, RobotClass
 from semantic_attachments.world import Blockade, GridMap, RobotModel
 
-EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.int8)
 _KNOWN = GridParameters()
 _OPTIMISTIC = GridParameters(unknown_is_free=True)
 
@@ -90,9 +90,9 @@ class ReachableSpace:
 
     def before(self, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """(height, width) a part of the space, and the known cells right before it."""
-        return ndimage.binary_dilation(
-            reached, EIGHT_NEIGHBOURS, iterations=self._reach_cells, mask=self.ahead
-        )
+        for _ in range(self._reach_cells):
+            reached = reached | (grown(reached) & self.ahead)
+        return reached
 
     def connected_with(self, cells: Sequence[int]) -> NDArray[np.bool_]:
         """(height, width) the part of the space that is connected with one of its cells.
@@ -104,7 +104,7 @@ class ReachableSpace:
         kept = np.zeros(int(labels.max()) + 1, dtype=np.bool_)
         kept[present] = True
         kept[0] = False
-        return kept[labels]
+        return kept.take(labels)
 
     def snapped(self, cell: int) -> int | None:
         """The nearest cell of the space, if there is one within the reach of a small detour."""

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments.contract import Memory
+from semantic_attachments.neighbours import beside
 from semantic_attachments.world import OCCUPIED_FROM, Blockade, GridMap, PositionM, RobotModel
 from service.coordination.exploration.reach import ReachableSpace, reachable_space
-from service.coordination.frontiers import beside, frontiers
+from service.coordination.frontiers import frontiers
 
 LEAST_CELLS = 2
 """Frontiers of fewer cells are gaps between beams."""

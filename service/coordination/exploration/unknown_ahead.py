@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semantic_attachments._core import Region
+from semantic_attachments.neighbours import beside
 from semantic_attachments.world import OCCUPIED_FROM, GridMap
-from service.coordination.frontiers import beside
 
 
 def unknown_ahead(

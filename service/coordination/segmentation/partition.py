@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from semantic_attachments._core import DistanceTransform, Region
-from service.coordination.frontiers import beside
+from semantic_attachments.neighbours import beside
 
 Cut = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]
 """(row, column) of one obstacle, of the critical point, and of the obstacle opposite."""

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from semantic_attachments._core import DistanceTransform, Region
+from semantic_attachments.neighbours import beside
 from semantic_attachments.world import OCCUPIED_FROM
-from service.coordination.frontiers import EIGHT_NEIGHBOURS, beside
+from service.coordination.frontiers import EIGHT_NEIGHBOURS
 from service.coordination.segmentation.critical_points import (
     at_junctions,
     critical_points,
