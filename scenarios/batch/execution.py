@@ -1,11 +1,13 @@
 """Executes the runs of a suite, each in a process of its own with limits, and keeps every row.
 
 A row is one line of `runs.jsonl`, written when its run has ended: whatever is killed in between,
-the lines that are there are whole, and a resumed suite does only what is missing.
+the lines that are there are whole, and a resumed suite does only what is missing. A folder that
+holds no more than the table of an earlier report, `runs.csv`, is continued from that.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 import platform
 import subprocess
@@ -20,6 +22,12 @@ from scenarios.batch.suite import RunSpec, Suite
 
 Row = dict[str, Any]
 JOURNAL = "runs.jsonl"
+TABLE = "runs.csv"
+_TEXTS = frozenset(
+    ["key", "suite", "map", "team", "strategy", "status", "reason"]
+    + ["revision", "version", "python", "numpy", "pymunk"]
+)
+"""Columns whose values are texts, even where they look like numbers."""
 
 
 def execute(
@@ -37,8 +45,9 @@ def execute(
     """
     folder.mkdir(parents=True, exist_ok=True)
     journal = folder / JOURNAL
-    if journal.exists() and not resume:
-        raise FileExistsError(f"{journal} has results: continue them with --resume, or remove it")
+    for there in (journal, folder / TABLE):
+        if there.exists() and not resume:
+            raise FileExistsError(f"{there} has results: continue them with --resume, or remove it")
     done = {row["key"] for row in rows(folder)}
     wanted = suite.runs()
     missing = [spec for spec in wanted if spec.key not in done]
@@ -74,7 +83,7 @@ def execute(
 def rows(folder: Path) -> list[Row]:
     """The rows so far, in the order of their keys; a line cut off by a kill is left out."""
     journal = folder / JOURNAL
-    found: dict[str, Row] = {}
+    found = {row["key"]: row for row in _tabled(folder / TABLE)}
     if journal.exists():
         for line in journal.read_text(encoding="utf-8").splitlines():
             try:
@@ -83,6 +92,28 @@ def rows(folder: Path) -> list[Row]:
                 continue
             found[row["key"]] = row
     return [found[key] for key in sorted(found)]
+
+
+def _tabled(table: Path) -> list[Row]:
+    """The rows of a table, their values of the types that they had; nothing where none was."""
+    if not table.exists():
+        return []
+    with table.open(newline="", encoding="utf-8") as file:
+        return [
+            {name: _value(name, text) for name, text in row.items() if text or name in _TEXTS}
+            for row in csv.DictReader(file)
+            if row.get("key")
+        ]
+
+
+def _value(name: str, text: str) -> str | int | float:
+    if name not in _TEXTS:
+        for kind in (int, float):
+            try:
+                return kind(text)
+            except ValueError:
+                continue
+    return text
 
 
 def provenance_of() -> Row:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from scenarios.batch import figure
 from scenarios.batch.comparison import Comparison, Interval, Measure, Row
+from scenarios.batch.execution import TABLE
 from scenarios.batch.figure import Series, bars
 from scenarios.batch.findings import CONDITIONS, COUNTS, NOT_ACCEPTED, Findings
 from scenarios.batch.suite import MapEntry
@@ -33,7 +34,7 @@ COLUMNS = (
 
 def write(found: Findings, folder: Path) -> Path:
     """Writes all files and returns the path of the HTML report."""
-    _write_runs(found.rows, folder / "runs.csv")
+    _write_runs(found.rows, folder / TABLE)
     _write_parquet(found.rows, folder / "runs.parquet")
     _write_comparisons(found.comparisons, folder / "comparisons.csv")
     for entry in found.suite.maps:

@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 import scenarios
-from scenarios.batch.execution import JOURNAL, Row, execute, rows
+from scenarios.batch.execution import JOURNAL, TABLE, Row, execute, rows
+from scenarios.batch.findings import findings
+from scenarios.batch.results import write
 from scenarios.batch.run_process import run_in_process
 from scenarios.batch.suite import Limits, MapEntry, RunSpec, Suite
 
@@ -72,3 +74,26 @@ def test_a_run_that_takes_too_long_is_killed() -> None:
     long = MapEntry(name="m", scenario=hospital)
     suite = SUITE.model_copy(update={"maps": (long,), "limits": Limits(wall_s=0.3)})
     assert run_in_process(suite, suite.runs()[0])["status"] == "killed"
+
+
+def test_a_published_table_is_continued(tmp_path: Path) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    with pytest.raises(KeyboardInterrupt):
+        list(execute(SUITE, first, perform=Counting(breaks_at=4)))
+    write(findings(SUITE, rows(first)), first)
+    second.mkdir()
+    (second / TABLE).write_bytes((first / TABLE).read_bytes())
+    assert rows(second) == rows(first)
+    with pytest.raises(FileExistsError, match="--resume"):
+        list(execute(SUITE, second, perform=Counting()))
+    again = Counting()
+    assert list(execute(SUITE, second, resume=True, perform=again)) == [(3, 4), (4, 4)]
+    assert again.asked == [
+        ({spec.key for spec in SUITE.runs()} - {r["key"] for r in rows(first)}).pop()
+    ]
+    assert len(rows(second)) == 4
+
+
+def test_a_table_of_something_else_is_no_result(tmp_path: Path) -> None:
+    (tmp_path / TABLE).write_text("name,amount\nscrews,12\n", encoding="utf-8")
+    assert rows(tmp_path) == []
