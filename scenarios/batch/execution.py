@@ -23,10 +23,9 @@ from scenarios.batch.suite import RunSpec, Suite
 Row = dict[str, Any]
 JOURNAL = "runs.jsonl"
 TABLE = "runs.csv"
-_TEXTS = frozenset(
-    ["key", "suite", "map", "team", "strategy", "status", "reason"]
-    + ["revision", "version", "python", "numpy", "pymunk"]
-)
+_MISSION_TEXTS = ("key", "suite", "map", "team", "strategy", "status", "reason")
+_SOURCE_TEXTS = ("revision", "version", "python", "numpy", "pymunk")
+_TEXTS = frozenset((*_MISSION_TEXTS, *_SOURCE_TEXTS))
 """Columns whose values are texts, even where they look like numbers."""
 
 
