@@ -70,10 +70,7 @@ class Guarded:
             EvaluationError: with the position of the call that failed, as far as that is known.
         """
         calls = tuple(tuple(call) for call in calls)
-        expected = len(self.attachment.parameters)
-        for position, call in enumerate(calls):
-            if len(call) != expected:
-                self._check_count(call, position)
+        self._check_counts(calls)
         if self.attachment.purity is Purity.FLUENTS:
             return [self._remembered(call, state, i) for i, call in enumerate(calls)]
         return self._values(calls, state)
@@ -130,7 +127,7 @@ class Guarded:
         return values
 
     def _effect(self, state: StateView, call: Call) -> list[float] | None:
-        self._check_count(call, 0)
+        self._check_counts((call,))
         found = self._run(self._function, call, state, state_first=True)
         if found is None:
             return None
@@ -180,10 +177,11 @@ class Guarded:
                 self._lock.release()
             _underway.reset(token)
 
-    def _check_count(self, call: Call, position: int) -> None:
+    def _check_counts(self, calls: Sequence[Call]) -> None:
         expected = len(self.attachment.parameters)
-        if len(call) != expected:
-            raise EvaluationError(f"it takes {expected} arguments, not {len(call)}", position)
+        for position, call in enumerate(calls):
+            if len(call) != expected:
+                raise EvaluationError(f"it takes {expected} arguments, not {len(call)}", position)
 
     def _checked(self, values: Sequence[Any]) -> list[float]:
         if self.attachment.kind is Kind.COST:

@@ -44,9 +44,12 @@ def execute(
     """
     folder.mkdir(parents=True, exist_ok=True)
     journal = folder / JOURNAL
-    for there in (journal, folder / TABLE):
-        if there.exists() and not resume:
-            raise FileExistsError(f"{there} has results: continue them with --resume, or remove it")
+    there = [name for name in (JOURNAL, TABLE) if (folder / name).exists()]
+    if there and not resume:
+        names = " and ".join(there)
+        raise FileExistsError(
+            f"{folder} has results: continue them with --resume, or remove its {names}"
+        )
     done = {row["key"] for row in rows(folder)}
     wanted = suite.runs()
     missing = [spec for spec in wanted if spec.key not in done]
@@ -94,18 +97,21 @@ def rows(folder: Path) -> list[Row]:
 
 
 def _tabled(table: Path) -> list[Row]:
-    """The rows of a table, their values of the types that they had; nothing where none was."""
+    """The rows of a table, their values of the types that they had; a row cut off is left out."""
     if not table.exists():
         return []
-    with table.open(newline="", encoding="utf-8") as file:
-        return [
-            {name: _value(name, text) for name, text in row.items() if text or name in _TEXTS}
-            for row in csv.DictReader(file)
-            if row.get("key")
-        ]
+    found = []
+    with table.open(newline="", encoding="utf-8", errors="replace") as file:
+        for texts in csv.DictReader(file):
+            if texts.get("key") and None not in texts.values():
+                told = {n: _value(n, text) for n, text in texts.items() if text or n in _TEXTS}
+                # Of a map that no generator drew.
+                told.setdefault("map_seed", None)
+                found.append(told)
+    return found
 
 
-def _value(name: str, text: str) -> str | int | float:
+def _value(name: str, text: str) -> str | int | float | None:
     if name not in _TEXTS:
         for kind in (int, float):
             try:
