@@ -73,6 +73,15 @@ class PlanInForce:
         return max((step.start_s + (step.duration_s or 0.0) for step in self.steps), default=0.0)
 
 
+@dataclass(frozen=True, slots=True)
+class Failures:
+    """The commands to one place that one robot gave up."""
+
+    count: int
+    news: int
+    """`Mission.news` at the last of them: what has happened since, it did not reckon with."""
+
+
 @dataclass(slots=True)
 class Mission:
     """The aggregate; built and changed by `history` alone."""
@@ -118,8 +127,12 @@ class Mission:
     """Commands reported as finished or failed."""
     barred: set[str] = field(default_factory=set)
     """Commands in force whose path leads through what was sensed to be occupied since."""
-    failures: dict[tuple[str, str], int] = field(default_factory=dict)
-    """How often a robot gave up a command to a place."""
+    failures: dict[tuple[str, str], Failures] = field(default_factory=dict)
+    """The commands that a robot gave up, by robot and place."""
+    news: int = 0
+    """How often something that matters for what robots can do has come to be known or done."""
+    restless: int = 0
+    """How often the orders have changed since there were news."""
     instructions: dict[str, GivenInstruction] = field(default_factory=dict)
     frontiers_named: int = 0
     """Exploration targets that have had a name so far."""
@@ -182,8 +195,14 @@ class Mission:
 
     def count_failure(self, robot_id: str, command: Command) -> None:
         """A robot did not carry out a command to a place."""
-        place = command.location or ""
-        self.failures[robot_id, place] = self.failures.get((robot_id, place), 0) + 1
+        pair = (robot_id, command.location or "")
+        before = self.failures.get(pair, Failures(0, 0))
+        self.failures[pair] = Failures(before.count + 1, self.news)
+
+    def note_news(self) -> None:
+        """Something has come to be known, or been done, that changes what robots can do."""
+        self.news += 1
+        self.restless = 0
 
     def close_command(self, robot_id: str, command_id: str) -> None:
         """A command was reported as finished or failed."""

@@ -9,6 +9,10 @@ meeting point.
 In the literal reading carriers are assigned to every target, also to those that a rover on the
 ground is exploring. In the strong one such targets are the rover's own and carriers leave them
 alone. In both any rover without work may be fetched by any carrier.
+
+An assignment anew at every event can send two carriers to and fro for ever: each time that one gets
+to a rover it is to fetch, the other's target suits it better, and they change places. Carriers that
+have been sent about so for long, and nothing came of it, keep their targets until they are there.
 """
 
 from collections.abc import Sequence
@@ -24,6 +28,9 @@ from service.coordination.pick_up import pick_up_points
 from service.coordination.strategy import NoPlanError, Proposal, Situation
 from service.coordination.travel import Travel, as_if_everywhere
 from service.coordination.urgency import assigned_by_urgency
+
+RESTLESS_FROM = 12
+"""Changes of orders without news after which carriers keep their targets."""
 
 
 @dataclass(frozen=True)
@@ -106,18 +113,15 @@ class _Team:
             for target in self.targets
             if not (self.baseline.leaves_to_rovers and target in self.rover_owned)
         ]
-        ids = [carrier.id for carrier in self.carriers]
-        chosen = assigned_by_urgency(
-            self.baseline.rule, self.situation, self.anywhere, ids, targets
-        )
+        chosen = self._chosen_by_carriers(targets)
         orders: list[Assignment] = []
         self.idle = {
             rover.id: rover
             for rover in self.on_ground
             if not any(isfinite(t) for t in self.travel.times_s([rover.id], self.targets)[0])
         }
-        for row, carrier in enumerate(self.carriers):
-            target = targets[chosen[row]] if row in chosen else None
+        for carrier in self.carriers:
+            target = chosen.get(carrier.id)
             if target is not None:
                 time_s = self.travel.times_s([carrier.id], [target])[0][0]
                 if isfinite(time_s):
@@ -133,6 +137,17 @@ class _Team:
             if self.idle and (target is not None or not targets):
                 orders += self._fetch(carrier)
         return orders
+
+    def _chosen_by_carriers(self, targets: Sequence[str]) -> dict[str, str]:
+        """The target of each carrier that gets one."""
+        kept: dict[str, str] = {}
+        if self.situation.restless >= RESTLESS_FROM:
+            going = self.situation.going
+            kept = {c.id: going[c.id] for c in self.carriers if going.get(c.id) in targets}
+        ids = [carrier.id for carrier in self.carriers if carrier.id not in kept]
+        left = [target for target in targets if target not in kept.values()]
+        found = assigned_by_urgency(self.baseline.rule, self.situation, self.anywhere, ids, left)
+        return kept | {ids[row]: left[column] for row, column in found.items()}
 
     def _deploy(self, carrier: RobotState, target: str) -> list[Assignment]:
         """To the nearest meeting point connected to the target; there the rover gets off."""

@@ -226,6 +226,8 @@ class Replanning:
                         )
                     ]
                 )
+                if hopeless and mission.hopeless_since_s is None:
+                    self.ask(["robots may go again where they gave up"])
                 return "no plan"
             return await self._adopt(snapshot, events, outcome)
 

@@ -131,6 +131,7 @@ def situation(
             for robot, command in mission.commands.items()
             if command.kind in ("move", "explore") and command.location is not None
         },
+        restless=mission.restless,
         target_places_m=dict(mission.target_places_m),
         communication_range_m=None
         if mission.request.exploration is None
@@ -144,7 +145,7 @@ def situation(
 
 def avoided(mission: Mission) -> frozenset[tuple[str, str]]:
     """Robots and places that do not go together: by experience, and by a person's word."""
-    pairs = {pair for pair, count in mission.failures.items() if count >= FAILURES_TOLERATED}
+    pairs = {pair for pair, of in mission.failures.items() if of.count >= FAILURES_TOLERATED}
     for given in mission.instructions.values():
         match given.instruction:
             case Forbid(robot=robot, location=location):
@@ -152,6 +153,15 @@ def avoided(mission: Mission) -> frozenset[tuple[str, str]]:
             case Pin(robot=robot, location=location):
                 pairs |= {(other, location) for other in mission.robots if other != robot}
     return frozenset(pairs)
+
+
+def outdated_failures(mission: Mission) -> list[tuple[str, str]]:
+    """Robots and places avoided by experience with a world that is another one by now."""
+    return [
+        pair
+        for pair, of in mission.failures.items()
+        if of.count >= FAILURES_TOLERATED and of.news < mission.news
+    ]
 
 
 def _by_target(mission: Mission, kind: type[Order], value: Callable[[Order], T]) -> dict[str, T]:

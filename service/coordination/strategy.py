@@ -59,6 +59,8 @@ class Situation:
     """Nothing but the map has changed since the decision before."""
     going: Mapping[str, str] = field(default_factory=dict)
     """Where robots are on their way to, by robot."""
+    restless: int = 0
+    """How often orders have changed since anything came to be known or was done."""
     target_places_m: Mapping[str, Position] = field(default_factory=dict)
     """Where the targets that the plan in force knows were last, also those that are gone since."""
     instructions: tuple[tuple[str, Instruction], ...] = ()

@@ -14,10 +14,12 @@ from service.coordination.events import (
     Event,
     MissionCreated,
     OrdersIssued,
+    PlanningFailed,
     ReportAccepted,
 )
 from service.coordination.history import apply, rebuilt
 from service.coordination.mission import Mission
+from service.coordination.situation import avoided
 from service.messages.mission import CreateMission
 from service.messages.report import Command, Report
 
@@ -106,8 +108,52 @@ def test_an_order_that_was_given_up_still_counts_if_it_is_carried_out(arrived: M
         arrived,
         CommandGivenUp(time_s=2.0, robot="explorer_1", command=EXPLORE.id, reason="stands still"),
     )
-    assert arrived.failures == {("explorer_1", "target_1"): 1}
+    assert {pair: of.count for pair, of in arrived.failures.items()} == {
+        ("explorer_1", "target_1"): 1
+    }
     assert "explorer_1" not in arrived.commands
     assert arrived.plan_disturbed
     apply(arrived, reported(3, finished=[{"robot": "explorer_1", "command": EXPLORE.id}]))
     assert arrived.targets["target_1"].visited_by == "explorer_1"
+
+
+def test_who_could_not_get_there_tries_again_when_nothing_else_is_left_and_the_world_has_changed(
+    arrived: Mission,
+) -> None:
+    pair = ("explorer_1", "target_1")
+    hopeless = PlanningFailed(time_s=5.0, reason="nothing to do", hopeless=True)
+
+    def gives_up(revision: int) -> None:
+        explore = command(f"r{revision}-explorer_1", "explore", "target_1")
+        apply(arrived, issued(revision, done=[]).model_copy(update={"commands": [explore]}))
+        given_up = {"time_s": 2.0, "robot": "explorer_1", "command": explore.id, "reason": ""}
+        apply(arrived, CommandGivenUp.model_validate(given_up))
+
+    for revision in (2, 3, 4):
+        gives_up(revision)
+    apply(arrived, hopeless)
+    assert pair in avoided(arrived)
+    assert arrived.hopeless_since_s == 5.0
+
+    other = {"id": "c", "segment_m": [[4.0, 1.0], [5.0, 1.0]], "clear_duration_s": 9.0}
+    apply(arrived, reported(2, blockades=[other]))
+    assert pair in avoided(arrived), "there may be better things to do"
+    apply(arrived, hopeless)
+    assert pair not in avoided(arrived)
+    assert arrived.hopeless_since_s is None
+    assert "explorer_1 may go to target_1 again" in arrived.decisions[-1].reason
+
+    gives_up(5)
+    apply(arrived, hopeless)
+    assert pair in avoided(arrived), "one attempt for each time that something is new"
+    assert arrived.hopeless_since_s == 5.0
+
+
+def test_orders_that_change_while_nothing_is_new_are_counted(arrived: Mission) -> None:
+    before = arrived.restless
+    apply(arrived, issued(2, done=[]).model_copy(update={"commands": [EXPLORE]}))
+    elsewhere = command("r3-explorer_1", "explore", "target_2")
+    apply(arrived, issued(3, done=[]).model_copy(update={"commands": [elsewhere]}))
+    assert arrived.restless == before + 1, "the first has the explorer go on"
+    apply(arrived, reported(2, finished=[{"robot": "explorer_1", "command": elsewhere.id}]))
+    assert arrived.restless == 0

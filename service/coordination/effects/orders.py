@@ -1,8 +1,8 @@
 """What the service's own decisions do to a mission."""
 
 from service.coordination.events import CommandGivenUp, OrdersIssued, PlanningFailed
-from service.coordination.mission import Mission, PlanInForce
-from service.coordination.situation import avoided
+from service.coordination.mission import Failures, Mission, PlanInForce
+from service.coordination.situation import FAILURES_TOLERATED, avoided, outdated_failures
 from service.messages.report import Command
 
 BUSY = ("clearing", "docking", "undocking")
@@ -40,6 +40,8 @@ def apply_orders(mission: Mission, event: OrdersIssued) -> None:
             )
     mission.remark(event.remarks)
     current = {command.robot: command for command in event.commands}
+    if any(mission.commands.get(robot_id) != command for robot_id, command in current.items()):
+        mission.restless += 1
     for robot_id in [robot for robot in mission.commands if robot not in current]:
         mission.drop_command(robot_id)
     mission.commands = current
@@ -72,10 +74,24 @@ def plan_failed(mission: Mission, event: PlanningFailed) -> None:
     mission.plannings += 1
     mission.decide(event.time_s, "no plan", event.reason)
     mission.status, mission.status_reason = "delayed", event.reason
-    if not event.hopeless:
+    if not event.hopeless or _allow_again(mission, event.time_s):
         mission.hopeless_since_s = None
     elif mission.hopeless_since_s is None:
         mission.hopeless_since_s = event.time_s
+
+
+def _allow_again(mission: Mission, time_s: float) -> bool:
+    """Whether robots may go where they could not before something happened, for want of others."""
+    pairs = outdated_failures(mission)
+    for robot_id, place in pairs:
+        mission.failures[robot_id, place] = Failures(FAILURES_TOLERATED - 1, mission.news)
+        mission.decide(
+            time_s,
+            "another attempt",
+            f"{robot_id} may go to {place} again: it gave up before the map, or what has been "
+            "done, was as it is now",
+        )
+    return bool(pairs)
 
 
 def _is_void(mission: Mission, command: Command) -> bool:

@@ -39,6 +39,7 @@ def apply_report(mission: Mission, report: Report) -> None:
                 seen_at_s=report.time_s,
             )
             mission.hopeless_since_s = None
+            mission.note_news()
     if report.map_patches:
         _apply_patches(mission, report)
     for finished in report.finished:
@@ -53,6 +54,7 @@ def _apply_patches(mission: Mission, report: Report) -> None:
     if change.cells == 0:
         return
     mission.hopeless_since_s = None
+    mission.note_news()
     mission.decide(mission.time_s, "map changed", f"in {change.cells} cells")
     types = mission.request.robot_types
     carries = any(kind.capacity > 0 for kind in types.values())
@@ -102,6 +104,8 @@ def _finish(mission: Mission, finished: FinishedCommand, heard_at_s: float) -> N
     mission.close_command(robot_id, command.id)
     mission.done.append(command)
     mission.hopeless_since_s = None
+    if command.kind not in ("move", "wait"):
+        mission.note_news()
     match command.kind:
         case "explore":
             target = mission.targets.get(command.location or "")

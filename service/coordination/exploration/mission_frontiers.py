@@ -84,8 +84,8 @@ def find_frontiers(
 def given_up(mission: Mission, grid: GridMap) -> NDArray[np.bool_]:
     """(height, width) unknown cells that robots went to see and did not, or could not get to."""
     failures: dict[str, int] = {}
-    for (_, place), count in mission.failures.items():
-        failures[place] = failures.get(place, 0) + count
+    for (_, place), of in mission.failures.items():
+        failures[place] = failures.get(place, 0) + of.count
     places_m = [
         target.visited_from_m or target.position_m
         for target in mission.targets.values()
