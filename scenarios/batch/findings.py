@@ -31,8 +31,9 @@ COUNTS: dict[str, Callable[[Row], int]] = {
     "blockade crossings": lambda row: row.get("blockade_crossings", 0),
 }
 """what has to be zero, and how a row tells"""
-NOT_ACCEPTED = "plans not accepted"
-"""of the planner's plans in force, those that the validator has not accepted"""
+ONE_STEP = "one-step orders"
+"""of the planner's plans in force, those that are orders it falls back to, a step a robot; a plan
+that the validator refuses never comes into force"""
 
 CONDITIONS: dict[str, Callable[[Row], float | None]] = {
     "targets sealed [%]": lambda row: _percent(row.get("sealed_fraction")),

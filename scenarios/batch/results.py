@@ -14,7 +14,7 @@ from scenarios.batch import figure
 from scenarios.batch.comparison import Comparison, Interval, Measure, Row
 from scenarios.batch.execution import TABLE
 from scenarios.batch.figure import Series, bars
-from scenarios.batch.findings import CONDITIONS, COUNTS, NOT_ACCEPTED, Findings
+from scenarios.batch.findings import CONDITIONS, COUNTS, ONE_STEP, Findings
 from scenarios.batch.suite import MapEntry
 
 COLUMNS = (
@@ -132,7 +132,7 @@ def _summaries(found: Findings) -> Iterable[tuple[str, tuple[str, ...], list[lis
     )
     yield (
         "What has to be zero",
-        ("strategy", "runs", *COUNTS, NOT_ACCEPTED),
+        ("strategy", "runs", *COUNTS, ONE_STEP),
         [
             [strategy, str(runs), *("" if count is None else str(count) for count in counts)]
             for strategy, runs, counts in found.counts()
