@@ -189,11 +189,8 @@ impl Workshop {
 #[cfg(test)]
 mod tests {
     use super::Manner;
-    use crate::attachment::NoAttachments;
-    use crate::grounding::{GroundingLimits, ground};
-    use crate::pddl::{read_domain, read_problem};
+    use crate::schedule::testing::ground_texts;
     use crate::schedule::workshop::Workshop;
-    use crate::syntax::source::SourceFile;
 
     const LIFT: &str = "(define (domain lift) (:requirements :typing :durative-actions)
      (:types floor) (:predicates (lift-at ?f - floor) (waits ?f - floor) (aboard) (home))
@@ -210,14 +207,9 @@ mod tests {
     #[test]
     fn a_hasty_list_fetches_the_passenger_before_it_goes_where_he_wants_to() {
         let domain = LIFT.replace("(:predicates", "(:constants f1 f2 f3 - floor) (:predicates");
-        let (domain, diagnostics) = read_domain(&SourceFile::new("domain", domain));
-        let domain = domain.unwrap_or_else(|| panic!("{diagnostics:?}"));
         let problem =
             "(define (problem p) (:domain lift) (:init (lift-at f1) (waits f2)) (:goal (home)))";
-        let (problem, diagnostics) = read_problem(&SourceFile::new("problem", problem), &domain);
-        let problem = problem.unwrap_or_else(|| panic!("{diagnostics:?}"));
-        let limits = GroundingLimits::default();
-        let task = ground(&domain, &problem, &NoAttachments, &limits).unwrap();
+        let task = ground_texts(&domain, problem);
         let mut workshop = Workshop::new(&task, 0, None).unwrap();
         let steps = |workshop: &Workshop| workshop.state.list.len();
         assert!(workshop.construct(Manner::Hasty, f64::INFINITY, &|| false));

@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
 
+use crate::schedule::model::NONE;
 use crate::schedule::propositions::{Propositions, Rule};
 
 /// Largest number of distances kept.
@@ -14,28 +15,57 @@ const DISTANCE_MEMORY: usize = 8_000_000;
 /// last one reached.
 const DISTANCE_EFFORT: usize = 100_000;
 
-/// Above this many rules their distances are computed when they are asked for.
-const MANY_RULES: usize = 20_000;
+/// A rule and the least time from its start to the target [s].
+pub type Ahead = (f32, u32);
 
 /// Lower bounds on the time from a proposition, or from the start of a rule, to a target [s].
 #[derive(Clone, Debug)]
 pub struct Distances {
     pub propositions: Vec<f32>,
-    /// Empty if there are too many.
-    rules: Vec<f32>,
+    /// Where the rules that watch a proposition begin and end; [`NONE`] until they are asked for.
+    rows: Vec<(u32, u32)>,
+    entries: Vec<Ahead>,
 }
 
 impl Distances {
+    /// The rules that watch a proposition and lead to the target, the nearest to it first, as a
+    /// range for [`Self::entry`].
+    pub fn watching(
+        &mut self,
+        propositions: &Propositions,
+        proposition: u32,
+    ) -> std::ops::Range<usize> {
+        let index = proposition as usize;
+        if self.rows[index].0 == NONE {
+            let from = self.entries.len();
+            for rule in propositions.watching.row(proposition) {
+                let ahead = self.of_rule(propositions, *rule);
+                if ahead.is_finite() {
+                    self.entries.push((ahead, *rule));
+                }
+            }
+            self.entries[from..].sort_unstable_by(|left, right| {
+                left.0.total_cmp(&right.0).then(left.1.cmp(&right.1))
+            });
+            self.rows[index] = (from as u32, self.entries.len() as u32);
+        }
+        let (from, to) = self.rows[index];
+        from as usize..to as usize
+    }
+
+    /// A rule of a range.
+    pub fn entry(&self, index: usize) -> Ahead {
+        self.entries[index]
+    }
+
     /// From the start of a rule [s].
     pub fn of_rule(&self, propositions: &Propositions, rule: u32) -> f32 {
-        match self.rules.get(rule as usize) {
-            Some(known) => *known,
-            None => through(
-                propositions,
-                &propositions.rules[rule as usize],
-                &self.propositions,
-            ),
-        }
+        let rule = &propositions.rules[rule as usize];
+        through(propositions, rule, &self.propositions)
+    }
+
+    fn size(&self) -> usize {
+        3 * self.propositions.len() + 2 * self.entries.len()
     }
 }
 
@@ -71,26 +101,24 @@ impl DistanceCache {
     /// The distances to a target, out of the cache until they are given back.
     pub fn take(&mut self, propositions: &Propositions, target: u32) -> Distances {
         match self.by_target.remove(&target) {
-            Some(known) => known,
+            Some(known) => {
+                self.kept -= known.size();
+                known
+            }
             None => self.compute(propositions, target),
         }
     }
 
     /// Keeps distances for the next time.
     pub fn give_back(&mut self, target: u32, distances: Distances) {
+        self.kept += distances.size();
         self.by_target.insert(target, distances);
     }
 
     /// Shortest chains of rules to a target [s], computed by Dijkstra backwards.
     fn compute(&mut self, propositions: &Propositions, target: u32) -> Distances {
         let count = propositions.count();
-        let kept = if propositions.rules.len() > MANY_RULES {
-            0
-        } else {
-            propositions.rules.len()
-        };
-        let size = count + kept;
-        if self.kept + size > DISTANCE_MEMORY {
+        if self.kept + 3 * count > DISTANCE_MEMORY {
             self.by_target.clear();
             self.kept = 0;
         }
@@ -128,18 +156,10 @@ impl DistanceCache {
                 }
             }
         }
-        let rules = if propositions.rules.len() > MANY_RULES {
-            Vec::new()
-        } else {
-            let rules = propositions.rules.iter();
-            rules
-                .map(|rule| through(propositions, rule, &distance))
-                .collect()
-        };
-        self.kept += size;
         Distances {
             propositions: distance,
-            rules,
+            rows: vec![(NONE, NONE); count],
+            entries: Vec::new(),
         }
     }
 }

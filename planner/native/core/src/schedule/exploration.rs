@@ -9,11 +9,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::schedule::distances::{DistanceCache, Distances, key};
+use crate::schedule::distances::{Ahead, DistanceCache, Distances, key};
 use crate::schedule::model::{Model, NONE};
 use crate::schedule::propositions::Propositions;
 use crate::schedule::question::{Labelling, Question, Restriction};
 use crate::schedule::state::State;
+use crate::schedule::successors::Successors;
 
 /// Rules looked at between two looks at whether to go on.
 const STOP_PERIOD: usize = 4_096;
@@ -34,11 +35,13 @@ pub struct Exploration {
     generation: u32,
     queue: BinaryHeap<Reverse<u64>>,
     distances: DistanceCache,
+    successors: Successors,
     visited: Vec<u32>,
     /// The first rule that waits for a proposition, and in which generation.
     waiting: Vec<(u32, u32)>,
-    /// The rule that waits for the same proposition behind a rule.
-    behind: Vec<u32>,
+    /// The rule that waits for the same proposition behind a rule, and how far a rule that waits is
+    /// from the target.
+    behind: Vec<(u32, f32)>,
     /// Whether rules cost what they last.
     cost_is_time: bool,
     /// Labels settled since creation.
@@ -59,9 +62,10 @@ impl Exploration {
             generation: 0,
             queue: BinaryHeap::new(),
             distances: DistanceCache::default(),
+            successors: Successors::new(propositions),
             visited: vec![0; propositions.count()],
             waiting: vec![(0, NONE); propositions.count()],
-            behind: vec![NONE; propositions.rules.len()],
+            behind: vec![(NONE, 0.0); propositions.rules.len()],
             cost_is_time,
             settled: 0,
         }
@@ -81,8 +85,8 @@ impl Exploration {
     pub fn relaxed_plan(&mut self, question: Question<'_>, plan: &mut Vec<(u32, u32)>) -> f32 {
         plan.clear();
         let target = question.target;
-        let distance = self.distances.take(question.propositions, target);
-        let label = self.explore(&question, &distance);
+        let mut distance = self.distances.take(question.propositions, target);
+        let label = self.explore(&question, &mut distance);
         self.distances.give_back(target, distance);
         if label.is_finite() {
             let far_first = question.labelling.far_first;
@@ -91,7 +95,7 @@ impl Exploration {
         label
     }
 
-    fn explore(&mut self, question: &Question<'_>, distance: &Distances) -> f32 {
+    fn explore(&mut self, question: &Question<'_>, distance: &mut Distances) -> f32 {
         let Question {
             model,
             propositions,
@@ -134,7 +138,8 @@ impl Exploration {
             }
         }
         for rule in &propositions.free {
-            self.fire(question, *rule, distance, &mut bound);
+            let ahead = distance.of_rule(propositions, *rule);
+            self.fire(question, (ahead, *rule), distance, &mut bound);
         }
         let weight = self.weight(labelling);
         let mut looked = 0;
@@ -150,23 +155,37 @@ impl Exploration {
                 return label.time + labelling.effort * label.cost;
             }
             let value = label.time + labelling.effort * label.cost;
-            let leads = |rule: u32, bound: f32| {
-                let ahead = distance.of_rule(propositions, rule);
-                ahead < f32::INFINITY && value + weight * ahead < bound
-            };
-            let watching = propositions.watching.row(proposition);
-            looked += 1 + watching.len();
-            for rule in watching {
-                if leads(*rule, bound) {
-                    self.fire(question, *rule, distance, &mut bound);
+            let supporter = label.supporter;
+            let leads = |ahead: f32, bound: f32| value + weight * ahead < bound;
+            looked += 1;
+            if supporter == NONE {
+                for index in distance.watching(propositions, proposition) {
+                    let (ahead, rule) = distance.entry(index);
+                    if !leads(ahead, bound) {
+                        break;
+                    }
+                    looked += 1;
+                    self.fire(question, (ahead, rule), distance, &mut bound);
+                }
+            } else {
+                for index in self
+                    .successors
+                    .behind(model, propositions, supporter, proposition)
+                {
+                    let rule = self.successors.entry(index);
+                    let ahead = distance.of_rule(propositions, rule);
+                    looked += 1;
+                    if leads(ahead, bound) {
+                        self.fire(question, (ahead, rule), distance, &mut bound);
+                    }
                 }
             }
             let mut rule = self.first_waiting(proposition);
             while rule != NONE {
-                let next = self.behind[rule as usize];
+                let (next, ahead) = self.behind[rule as usize];
                 looked += 1;
-                if leads(rule, bound) {
-                    self.fire(question, rule, distance, &mut bound);
+                if leads(ahead, bound) {
+                    self.fire(question, (ahead, rule), distance, &mut bound);
                 }
                 rule = next;
             }
@@ -214,7 +233,7 @@ impl Exploration {
     fn fire(
         &mut self,
         question: &Question<'_>,
-        rule_index: u32,
+        (ahead, rule_index): Ahead,
         distance: &Distances,
         bound: &mut f32,
     ) {
@@ -239,7 +258,7 @@ impl Exploration {
         for need in propositions.needs(rule) {
             let label = &self.labels[need.proposition as usize];
             if label.stamp != generation + 1 {
-                self.behind[rule_index as usize] = self.first_waiting(need.proposition);
+                self.behind[rule_index as usize] = (self.first_waiting(need.proposition), ahead);
                 self.waiting[need.proposition as usize] = (generation, rule_index);
                 return;
             }
@@ -263,9 +282,12 @@ impl Exploration {
         }
         let cost = cost + rule.cost;
         let weight = self.weight(labelling);
-        for add in propositions.adds(rule) {
+        let first_add = propositions.first_add(rule);
+        for (index, add) in propositions.adds(rule).iter().enumerate() {
             let ahead = distance.propositions[add.proposition as usize];
-            if !ahead.is_finite() {
+            if !ahead.is_finite()
+                || add.proposition != target && self.successors.is_dead_end(first_add + index)
+            {
                 continue;
             }
             if add.proposition == target && !admits(propositions, rule_index, restriction) {

@@ -194,28 +194,25 @@ fn collect(
         })
         .collect();
     let end = operators.len();
-    // Links are sorted by consumer: going backwards, a consumer's role is final when it is met.
-    let mut by_consumer: Vec<Vec<usize>> = vec![Vec::new(); end + 1];
-    for (index, link) in links.iter().enumerate() {
-        by_consumer[link.consumer as usize].push(index);
-    }
-    let mut numeric_by_consumer: Vec<Vec<u32>> = vec![Vec::new(); end + 1];
-    for (producer, consumer) in numeric {
-        numeric_by_consumer[*consumer as usize].push(*producer);
-    }
+    // Both are sorted by consumer: going backwards, a consumer's role is final when it is met.
+    let (mut links, mut numeric) = (links, numeric);
     for consumer in (0..=end).rev() {
+        let of_links = links.partition_point(|link| (link.consumer as usize) < consumer);
+        let of_numeric = numeric.partition_point(|(_, other)| (*other as usize) < consumer);
+        let (before, here) = links.split_at(of_links);
+        let (numeric_before, numeric_here) = numeric.split_at(of_numeric);
+        (links, numeric) = (before, numeric_before);
         if consumer < end && elements[consumer].role == Role::Useless {
             continue;
         }
-        for producer in &numeric_by_consumer[consumer] {
+        for (producer, _) in numeric_here {
             let element = &mut elements[*producer as usize];
             if element.role == Role::Useless {
                 element.role = Role::Transit;
             }
             element.consumers.push(consumer as u32);
         }
-        for index in &by_consumer[consumer] {
-            let link = &links[*index];
+        for link in here {
             let element = &mut elements[link.producer as usize];
             let role = if consumer == end {
                 Role::Goal

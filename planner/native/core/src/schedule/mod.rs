@@ -36,6 +36,7 @@ mod repair;
 mod rows;
 mod solution;
 mod state;
+mod successors;
 #[cfg(test)]
 mod testing;
 mod windows;

@@ -329,6 +329,16 @@ impl Propositions {
         &self.needs[rule.needs.0 as usize..rule.needs.1 as usize]
     }
 
+    /// Entries of the table of adds.
+    pub fn count_of_adds(&self) -> usize {
+        self.adds.len()
+    }
+
+    /// Where a rule's adds begin in their table.
+    pub fn first_add(&self, rule: &Rule) -> usize {
+        rule.adds.0 as usize
+    }
+
     /// What a rule adds.
     pub fn adds(&self, rule: &Rule) -> &[Term] {
         &self.adds[rule.adds.0 as usize..rule.adds.1 as usize]

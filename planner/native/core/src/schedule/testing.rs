@@ -21,10 +21,17 @@ pub const FACTORY: &str = "(define (domain factory) (:requirements :durative-act
 
 /// Grounds a domain for the goal of a swept and packed factory.
 pub fn task(domain: &str) -> Task {
+    ground_texts(
+        domain,
+        "(define (problem p) (:domain factory) (:init (raw) (dusty))
+     (:goal (and (packed) (swept) (clean))))",
+    )
+}
+
+/// Grounds a domain and a problem.
+pub fn ground_texts(domain: &str, problem: &str) -> Task {
     let (domain, diagnostics) = read_domain(&SourceFile::new("domain", domain));
     let domain = domain.unwrap_or_else(|| panic!("{diagnostics:?}"));
-    let problem = "(define (problem p) (:domain factory) (:init (raw) (dusty))
-     (:goal (and (packed) (swept) (clean))))";
     let (problem, diagnostics) = read_problem(&SourceFile::new("problem", problem), &domain);
     let problem = problem.unwrap_or_else(|| panic!("{diagnostics:?}"));
     ground(
