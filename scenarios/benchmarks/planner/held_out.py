@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scenarios.benchmarks._markdown import table
-from scenarios.benchmarks.planner import team_instances
+from scenarios.benchmarks.planner import building_instances, team_instances
 from scenarios.benchmarks.planner.contest import Run, run_own
 from scenarios.benchmarks.planner.instances import Instance
 
@@ -30,11 +30,23 @@ class Size:
     problem: Callable[[int], str]
 
 
-def disaster_size(explorers: int, clearers: int, targets: int, blockades: int) -> Size:
-    """A disaster size."""
+def building_size(building: str, team: tuple[int, int], targets: int, blockades: int) -> Size:
+    """A disaster size in drawn buildings."""
+    explorers, clearers = team
     return Size(
         "disaster",
-        f"{explorers} + {clearers} robots, {targets} targets, {blockades} blockades",
+        f"{building.replace('_', ' ')}: {explorers} + {clearers} robots, {targets} targets, "
+        f"{blockades} blockades",
+        team_instances.DISASTER,
+        lambda seed: building_instances.disaster(building, team, targets, blockades, seed),
+    )
+
+
+def floor_size(explorers: int, clearers: int, targets: int, blockades: int) -> Size:
+    """A disaster size on floors whose doors are mostly blocked."""
+    return Size(
+        "disaster",
+        f"floor: {explorers} + {clearers} robots, {targets} targets, {blockades} blockades",
         team_instances.DISASTER,
         lambda seed: team_instances.disaster(explorers, clearers, targets, blockades, seed),
     )
@@ -51,10 +63,14 @@ def marsupial_size(carriers: int, rovers: int, targets: int, sites: int) -> Size
 
 
 SIZES = (
-    disaster_size(2, 2, 8, 6),
-    disaster_size(3, 2, 15, 18),
-    disaster_size(4, 4, 25, 33),
-    disaster_size(3, 2, 13, 58),
+    building_size("random_building", (2, 2), 8, 6),
+    building_size("hospital", (3, 2), 15, 18),
+    building_size("hospital", (4, 4), 25, 33),
+    building_size("power_plant", (3, 2), 13, 58),
+    floor_size(2, 2, 8, 6),
+    floor_size(3, 2, 15, 18),
+    floor_size(4, 4, 25, 33),
+    floor_size(3, 2, 13, 58),
     marsupial_size(3, 6, 12, 5),
     marsupial_size(6, 18, 22, 8),
 )

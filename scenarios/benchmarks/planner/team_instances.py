@@ -114,19 +114,19 @@ def disaster(explorers: int, clearers: int, targets: int, blockades: int, seed: 
         for end, way_m in _ways_m(start, places, doors[blockades:]):
             init.append(f"(way {start.name} {end.name})")
             cost_s = 1 + round(way_m)
-            for robots, factor in ((_names("e", explorers), 1), (_names("c", clearers), 2)):
+            for robots, factor in ((numbered("e", explorers), 1), (numbered("c", clearers), 2)):
                 costs = (f"(cost {robot} {start.name} {end.name})" for robot in robots)
                 init += [f"(= {cost} {factor * cost_s})" for cost in costs]
-    robots = [*_names("e", explorers), *_names("c", clearers)]
+    robots = [*numbered("e", explorers), *numbered("c", clearers)]
     init += [f"(at {robot} s{k})" for k, robot in enumerate(robots)]
     init += [f"(= (size {one.name}) {10 * int(random.integers(20, 40))})" for one in blocked]
     objects = {
-        "explorer": _names("e", explorers),
-        "clearer": _names("c", clearers),
+        "explorer": numbered("e", explorers),
+        "clearer": numbered("c", clearers),
         "spot": [one.name for one in spots],
         "blockade": [one.name for one in blocked],
     }
-    return _problem("floor", objects, init, targets)
+    return problem_text("floor", objects, init, targets)
 
 
 def _side(blockades: int) -> int:
@@ -184,9 +184,9 @@ def marsupial(carriers: int, rovers: int, targets: int, sites: int, seed: int) -
             cost_s = 1 + round(one.distance_m(other))
             robots: list[tuple[list[str], int]] = []
             if all(node in at_sites or site_of[node.name] is None for node in (one, other)):
-                robots.append((_names("c", carriers), 1))
+                robots.append((numbered("c", carriers), 1))
             if site_of[one.name] is not None and site_of[one.name] == site_of[other.name]:
-                robots.append((_names("r", rovers), 2))
+                robots.append((numbered("r", rovers), 2))
             for names, factor in robots:
                 for name in names:
                     way = f"{name} {one.name} {other.name}"
@@ -197,19 +197,21 @@ def marsupial(carriers: int, rovers: int, targets: int, sites: int, seed: int) -
         init.append(f"(= (room c{k}) {max(load, 2) + 1})")
     init += [f"(on r{k} c{k % carriers})" for k in range(rovers)]
     objects = {
-        "carrier": _names("c", carriers),
-        "rover": _names("r", rovers),
-        "site": _names("m", sites),
-        "target": _names("t", targets),
+        "carrier": numbered("c", carriers),
+        "rover": numbered("r", rovers),
+        "site": numbered("m", sites),
+        "target": numbered("t", targets),
     }
-    return _problem("carrying", objects, init, targets)
+    return problem_text("carrying", objects, init, targets)
 
 
-def _names(letter: str, count: int) -> list[str]:
+def numbered(letter: str, count: int) -> list[str]:
     return [f"{letter}{k}" for k in range(count)]
 
 
-def _problem(domain: str, objects: dict[str, list[str]], init: Iterable[str], targets: int) -> str:
+def problem_text(
+    domain: str, objects: dict[str, list[str]], init: Iterable[str], targets: int
+) -> str:
     listed = "\n  ".join(f"{' '.join(names)} - {kind}" for kind, names in objects.items())
     facts = "\n  ".join(init)
     goal = " ".join(f"(explored t{k})" for k in range(targets))
