@@ -14,6 +14,7 @@ impl State {
             ..
         } = dispatch;
         let end = start + duration;
+        let before = self.mark();
         let (from, to) = model.shapes[operator as usize].reads;
         for index in from..to {
             let read = model.reads[index as usize];
@@ -55,8 +56,7 @@ impl State {
                 }
             }
         }
-        self.makespan = self.makespan.max(end);
-        self.list.push(dispatch);
+        self.push(dispatch, before);
     }
 
     /// Stamps what the rarer parts read, changes fluents; returns the conditional writes that

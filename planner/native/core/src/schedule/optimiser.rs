@@ -349,6 +349,9 @@ impl<'t> Optimiser<'t> {
             if !self.workshop.repair(&items, labelling, bound, &stop) {
                 continue;
             }
+            if self.workshop.is_again(&current, value) {
+                continue;
+            }
             let elements = self.workshop.prune(&mut self.links);
             let candidate = self.workshop.value();
             if candidate <= accepted {

@@ -28,10 +28,17 @@ impl Workshop {
         bound: f64,
         stop: &dyn Fn() -> bool,
     ) -> bool {
-        self.reset();
+        let beginning = items.iter().map_while(|item| match item {
+            Item::Keep(element) => Some(element.operator),
+            Item::Achieve(..) => None,
+        });
+        let kept = self.start_over(beginning);
+        if kept > 0 && self.state.makespan >= bound {
+            return false;
+        }
         let faithful = self.random.random_bool(0.8);
         let mend_transit = self.random.random_bool(0.5);
-        for item in items {
+        for item in &items[kept..] {
             match item {
                 Item::Achieve(proposition, restriction) => {
                     if !self.holds(*proposition)
@@ -91,6 +98,24 @@ impl Workshop {
         self.achieve_goals(&mut order, labelling, bound, stop)
     }
 
+    /// The operators of the schedule by start.
+    fn by_start(&self) -> Vec<u32> {
+        let mut list = self.state.list.clone();
+        list.sort_by(|left, right| left.start.total_cmp(&right.start));
+        list.iter().map(|dispatch| dispatch.operator).collect()
+    }
+
+    /// Whether pruning the schedule gives these elements, which pruning has given, and which are
+    /// worth no more.
+    pub fn is_again(&self, elements: &[Element], value: f64) -> bool {
+        self.state.list.len() == elements.len()
+            && self.value() + 1e-9 >= value
+            && self
+                .by_start()
+                .iter()
+                .eq(elements.iter().map(|element| &element.operator))
+    }
+
     /// Leaves out what the schedule does not need and sorts it by start, as far as it stays
     /// executable and does not become worse. The schedule must reach the goal; returns its
     /// elements.
@@ -98,9 +123,7 @@ impl Workshop {
         let value = self.value() + 1e-9;
         let list = self.state.list.clone();
         let original: Vec<u32> = list.iter().map(|dispatch| dispatch.operator).collect();
-        let mut by_start = list.clone();
-        by_start.sort_by(|left, right| left.start.total_cmp(&right.start));
-        let by_start: Vec<u32> = by_start.iter().map(|dispatch| dispatch.operator).collect();
+        let by_start = self.by_start();
         for base in [&by_start, &original] {
             for cautious in [false, true] {
                 let mut operators = base.clone();

@@ -76,6 +76,8 @@ pub struct State {
     /// Bit set of the facts that hold.
     pub truth: Vec<u64>,
     pub list: Vec<Dispatch>,
+    /// Where to return to before each dispatch of the list.
+    marks: Vec<Mark>,
     pub makespan: f64,
     pub(super) windows: Vec<Vec<Window>>,
     fact_journal: Vec<(u32, FactStamp)>,
@@ -113,6 +115,7 @@ impl State {
                 .collect(),
             truth: vec![0; model.fact_count.div_ceil(64)],
             list: Vec::new(),
+            marks: Vec::new(),
             makespan: 0.0,
             windows: vec![Vec::new(); model.windowed.len()],
             fact_journal: Vec::new(),
@@ -169,6 +172,7 @@ impl State {
             }
         }
         self.list.truncate(mark.list);
+        self.marks.truncate(mark.list);
         self.makespan = mark.makespan;
     }
 
@@ -181,6 +185,27 @@ impl State {
             list: 0,
             makespan: 0.0,
         });
+    }
+
+    /// Undoes what comes behind the common beginning of the list and these operators; its length.
+    pub fn keep_beginning(&mut self, operators: impl Iterator<Item = u32>) -> usize {
+        let common = self
+            .list
+            .iter()
+            .zip(operators)
+            .take_while(|(dispatch, operator)| dispatch.operator == *operator)
+            .count();
+        if let Some(mark) = self.marks.get(common) {
+            self.rollback(*mark);
+        }
+        common
+    }
+
+    /// Notes a dispatch whose effects are to be applied.
+    pub(super) fn push(&mut self, dispatch: Dispatch, before: Mark) {
+        self.makespan = self.makespan.max(dispatch.end());
+        self.list.push(dispatch);
+        self.marks.push(before);
     }
 
     pub(super) fn set_truth(&mut self, fact: u32, value: bool) {
@@ -298,6 +323,44 @@ mod tests {
                 state.rollback(mark);
                 prop_assert_eq!(text, format!("{:?} {:?} {:?}", state.facts, state.truth, state.list));
             }
+        }
+    }
+
+    fn apply_all(state: &mut State, model: &Model, operators: &[u32]) -> Vec<u32> {
+        let mut applied = Vec::new();
+        for operator in operators {
+            if let Some(dispatch) = state.earliest(model, *operator) {
+                state.apply(model, dispatch);
+                applied.push(*operator);
+            }
+        }
+        applied
+    }
+
+    proptest! {
+        #[test]
+        fn a_list_with_the_same_beginning_is_the_same_schedule(
+            before in prop::collection::vec(any::<u32>(), 0..12),
+            after in prop::collection::vec(any::<u32>(), 0..8),
+            keep in 0usize..12,
+        ) {
+            let task = task(FACTORY);
+            let model = Model::new(&task).expect("supported");
+            let operators = |choices: &[u32]| -> Vec<u32> {
+                choices.iter().map(|choice| choice % task.operators.len() as u32).collect()
+            };
+            let mut state = State::new(&model, &task);
+            let applied = apply_all(&mut state, &model, &operators(&before));
+            let mut wanted: Vec<u32> = applied.iter().copied().take(keep).collect();
+            wanted.extend(operators(&after));
+
+            let kept = state.keep_beginning(wanted.iter().copied());
+            prop_assert!(kept >= keep.min(applied.len()));
+            apply_all(&mut state, &model, &wanted[kept..]);
+            let mut anew = State::new(&model, &task);
+            apply_all(&mut anew, &model, &wanted);
+            let shown = |state: &State| format!("{:?} {:?} {:?} {:?} {:?}", state.facts, state.fluents, state.truth, state.list, state.makespan);
+            prop_assert_eq!(shown(&state), shown(&anew));
         }
     }
 

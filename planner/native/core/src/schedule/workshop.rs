@@ -32,6 +32,8 @@ pub struct Workshop {
     plans: Vec<Vec<(u32, u32)>>,
     /// Envelopes that start when something has to happen inside.
     pub(super) waiting: Vec<u32>,
+    /// Whether there are envelopes at all.
+    envelopes: bool,
     /// Longest list that is tried.
     pub longest: usize,
     /// How often each goal could not be achieved where it stood.
@@ -58,6 +60,7 @@ impl Workshop {
             random: ChaCha8Rng::seed_from_u64(seed),
             plans: Vec::new(),
             waiting: Vec::new(),
+            envelopes: model.shapes.iter().any(|shape| shape.envelope),
             urgency: vec![0.0; propositions.goal.len()],
             reach: goal_bounds(&model, &propositions, &state),
             achieved: 0,
@@ -264,10 +267,22 @@ impl Workshop {
         self.waiting.clear();
     }
 
+    /// Starts over with as many of these operators as the list under construction begins with; how
+    /// many these are. The same operators in the same order are the same schedule.
+    pub fn start_over(&mut self, operators: impl Iterator<Item = u32>) -> usize {
+        if self.envelopes {
+            // Their times depend on what comes after them.
+            self.reset();
+            return 0;
+        }
+        self.state.keep_beginning(operators)
+    }
+
     /// Starts over with these operators, each at its earliest start, envelopes around what happens in
     /// them; false if one does not apply.
-    pub fn replay(&mut self, mut operators: impl Iterator<Item = u32>) -> bool {
-        self.reset();
+    pub fn replay(&mut self, operators: impl Iterator<Item = u32> + Clone) -> bool {
+        let kept = self.start_over(operators.clone());
+        let mut operators = operators.skip(kept);
         let applies = operators.all(|operator| self.append(operator).is_some());
         self.tighten_envelopes();
         applies
