@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import resource
 import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from planner.memory import peak_mb
 from scenarios.batch.suite import RunSpec
 from scenarios.composition import Composition, compose
 from scenarios.maps.floor_plan import FREE
@@ -80,5 +80,5 @@ def row_of_run(spec: RunSpec, planning: dict[str, Any] | None) -> Row:
         free_m2 = float((composition.cells == FREE).sum()) * composition.resolution_m**2
         row["area_m2"] = round(record.known_share * free_m2, 1)
     row["cpu_s"] = round(time.process_time() - begin_s, 3)
-    row["peak_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, 1)
+    row["peak_mb"] = peak_mb()
     return row

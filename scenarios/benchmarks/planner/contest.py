@@ -89,6 +89,7 @@ def _work(sender: Any, engine: str, instance: Instance, limit_s: float, seed: in
 
 
 def _own(instance: Instance, limit_s: float, seed: int) -> Run:
+    from planner.memory import peak_mb
     from planner.reading import read_problem
     from planner.solving import Limits, improving_plans
 
@@ -114,7 +115,7 @@ def _own(instance: Instance, limit_s: float, seed: int) -> Run:
         tuple(plans),
         result.lower_bound,
         _cpu_s(resource.RUSAGE_SELF) - begun_s,
-        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        peak_mb(),
         result.statistics.expansions,
         result.statistics.schedules,
     )
