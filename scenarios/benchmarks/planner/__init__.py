@@ -25,6 +25,7 @@ from scenarios.benchmarks.planner.contest import Run, run_engine
 from scenarios.benchmarks.planner.engines import installed_engines
 from scenarios.benchmarks.planner.instances import Instance, families, ipc_instances
 from scenarios.benchmarks.planner.report import markdown
+from scenarios.exit_codes import CommandError
 
 DATA = Path("../shared/data")
 QUICK_DOMAINS = ("match-cellar", "turn-and-open", "openstacks")
@@ -43,7 +44,11 @@ def run(
 
     `seconds` is the CPU limit of a run [s]: 30 if None, 2 for `--quick`. `domains` keeps instances
     whose family contains one of these words; `resume` keeps the runs that are in `runs.json`.
+
+    Raises:
+        CommandError: nothing that could be run contains one of the words.
     """
+    _refuse_unknown(domains, quick=quick)
     limit_s = seconds if seconds is not None else (2.0 if quick else 30.0)
     path = out / "runs.json"
     done = _load(path) if resume else {}
@@ -95,6 +100,18 @@ def chosen(*, quick: bool, domains: tuple[str, ...]) -> list[Instance]:
     kept = [one for one in every if any(word in one.family for word in domains)]
     # Every tenth is enough to see where a domain stands.
     return [one for one in kept if one.number == 0 or one.number % 10 == 1] if quick else kept
+
+
+def _refuse_unknown(domains: tuple[str, ...], *, quick: bool) -> None:
+    """Raises CommandError for a word that chooses nothing, which would be measured in no time."""
+    names = {one.family for one in chosen(quick=False, domains=())} | set(parts_of(quick=quick))
+    absent = "" if DATA.is_dir() else f" ({DATA}, where instances are, is absent)"
+    for word in domains:
+        if not any(word in name for name in names):
+            raise CommandError(
+                f"--domains {word}: the planner's benchmark has no such family; it has "
+                f"{', '.join(sorted(names))}{absent}"
+            )
 
 
 def _load(path: Path) -> dict[str, Run]:

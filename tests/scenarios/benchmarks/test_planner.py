@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 
 from planner.compile_attachments import compile_attachments
+from scenarios.benchmarks import planner as planner_benchmark
 from scenarios.benchmarks.planner import rates
 from scenarios.benchmarks.planner.contest import Run, run_engine
 from scenarios.benchmarks.planner.instances import Instance, families, ipc_instances
 from scenarios.benchmarks.planner.report import losses, markdown, sat_scores
+from scenarios.exit_codes import CommandError
 
 DOMAIN = """(define (domain hop) (:requirements :durative-actions)
  (:predicates (here) (there))
@@ -78,3 +80,9 @@ def test_rates_are_told_of_spaces_that_are_large_enough(monkeypatch: pytest.Monk
     assert with_fluents > 0
     small, costs = rates.generated(rates.Size("room", 1, 1, 1, 1), seed=1)
     assert rates.expansion_rate(small, costs, 6_000) is None
+
+
+def test_a_family_that_is_not_there_is_refused_with_those_that_are(tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match=r"nonsense.*held-out, large-team"):
+        planner_benchmark.run(quick=True, out=tmp_path, domains=("held-out", "nonsense"))
+    assert not list(tmp_path.iterdir())
