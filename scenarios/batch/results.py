@@ -131,7 +131,7 @@ def _summaries(found: Findings) -> Iterable[tuple[str, tuple[str, ...], list[lis
         ],
     )
     yield (
-        "What has to be zero",
+        "What has to be zero, and orders without a plan",
         ("strategy", "runs", *COUNTS, ONE_STEP),
         [
             [strategy, str(runs), *("" if count is None else str(count) for count in counts)]
