@@ -11,8 +11,8 @@ ground is exploring. In the strong one such targets are the rover's own and carr
 alone. In both any rover without work may be fetched by any carrier.
 
 An assignment anew at every event can send two carriers to and fro for ever: each time that one gets
-to a rover it is to fetch, the other's target suits it better, and they change places. Carriers that
-have been sent about so for long, and nothing came of it, keep their targets until they are there.
+to a rover it is to fetch, the other's target suits it better, and they change places. Once orders
+have changed so for long, and nothing came of it, carriers keep their targets until they are there.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ from service.coordination.travel import Travel, as_if_everywhere
 from service.coordination.urgency import assigned_by_urgency
 
 RESTLESS_FROM = 12
-"""Changes of orders without news after which carriers keep their targets."""
+"""Decisions that changed orders without news in between; from then on carriers keep targets."""
 
 
 @dataclass(frozen=True)

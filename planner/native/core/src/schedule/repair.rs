@@ -105,8 +105,8 @@ impl Workshop {
         list.iter().map(|dispatch| dispatch.operator).collect()
     }
 
-    /// Whether pruning the schedule gives these elements, which pruning has given, and which are
-    /// worth no more.
+    /// Whether pruning would only give back the elements of a list that was pruned before: the
+    /// schedule has the same operators by start and is worth no less (`value`: what the list is).
     pub fn is_again(&self, elements: &[Element], value: f64) -> bool {
         self.state.list.len() == elements.len()
             && self.value() + 1e-9 >= value
