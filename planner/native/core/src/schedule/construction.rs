@@ -54,6 +54,9 @@ impl Workshop {
                 } else {
                     self.state.rollback(mark);
                     self.failed(*goal);
+                    if self.late {
+                        return false;
+                    }
                 }
                 if self.state.list.len() > self.longest {
                     return false;
@@ -111,6 +114,9 @@ impl Workshop {
             if !label.is_finite()
                 || !self.achieve(goal, labelling, Restriction::default(), bound, stop)
             {
+                if self.late {
+                    return false;
+                }
                 self.state.rollback(mark);
                 left.push(goal);
             }

@@ -46,6 +46,9 @@ pub struct Exploration {
     cost_is_time: bool,
     /// Labels settled since creation.
     pub settled: u64,
+    /// Whether the last exploration left out what would be too late, and what destroys goals.
+    pub cut: bool,
+    pub protected: bool,
 }
 
 impl Exploration {
@@ -68,6 +71,8 @@ impl Exploration {
             behind: vec![(NONE, 0.0); propositions.rules.len()],
             cost_is_time,
             settled: 0,
+            cut: false,
+            protected: false,
         }
     }
 
@@ -107,6 +112,8 @@ impl Exploration {
         self.generation += 2;
         let generation = self.generation;
         self.queue.clear();
+        self.cut = false;
+        self.protected = false;
         let mut bound = f32::INFINITY;
         for (index, word) in state.truth.iter().enumerate() {
             let mut word = *word;
@@ -217,6 +224,10 @@ impl Exploration {
         let time = question
             .propositions
             .time(question.model, question.state, proposition) as f32;
+        if time + ahead >= question.latest {
+            self.cut = true;
+            return;
+        }
         self.labels[proposition as usize] = Label {
             time,
             cost: 0.0,
@@ -249,6 +260,7 @@ impl Exploration {
         let rule = &propositions.rules[rule_index as usize];
         let acts = rule.operator != NONE;
         if acts && labelling.protect && destroys(model, state, rule.operator) {
+            self.protected = true;
             return;
         }
         let generation = self.generation;
@@ -298,6 +310,10 @@ impl Exploration {
             let lasts = add.at_end || add.proposition == target;
             let reached = time + if lasts { duration } else { 0.0 };
             let value = reached + labelling.effort * cost;
+            if reached + ahead >= question.latest {
+                self.cut = true;
+                continue;
+            }
             if value + weight * ahead >= *bound {
                 continue;
             }

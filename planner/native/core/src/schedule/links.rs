@@ -1,6 +1,8 @@
 //! Causal links of an operator list: what each operator is for.
 
-use crate::schedule::model::{Model, NONE, literals};
+use smallvec::SmallVec;
+
+use crate::schedule::model::{Model, NONE, When, Write, literals};
 use crate::schedule::propositions::Propositions;
 
 /// What the facts that an operator achieves are for.
@@ -24,9 +26,19 @@ pub struct Element {
     /// The proposition to achieve anew if the operator cannot run; [`NONE`] if only fluents.
     pub primary: u32,
     /// Literals that later operators or the goal take from it.
-    pub purposes: Vec<(u32, bool)>,
-    /// Positions of the operators that take them.
-    pub consumers: Vec<u32>,
+    pub purposes: SmallVec<[(u32, bool); 2]>,
+    /// The operators that take them.
+    pub consumers: SmallVec<[Consumer; 2]>,
+}
+
+/// An operator that takes what another one achieves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Consumer {
+    pub position: u32,
+    /// What it takes.
+    pub proposition: u32,
+    /// Whether it cannot start before the other one has ended.
+    pub follows: bool,
 }
 
 /// Reusable memory.
@@ -46,6 +58,8 @@ struct Link {
     fact: u32,
     value: bool,
     used_up: bool,
+    /// Whether the consumer needs it from its start on.
+    from_start: bool,
 }
 
 impl Links {
@@ -73,7 +87,9 @@ impl Links {
                         .writes(*operator)
                         .iter()
                         .any(|write| write.fact == read.fact && write.value != read.value);
-                    self.link(position, read.fact, read.value, used_up, &mut links);
+                    let from_start = read.when != When::End;
+                    let use_of = (used_up, from_start);
+                    self.link(position, read.fact, read.value, use_of, &mut links);
                 }
             }
             if let Some(detail) = model.detail(*operator) {
@@ -86,7 +102,7 @@ impl Links {
                 }
                 for effect in &detail.conditional {
                     for (fact, value) in effect.condition.iter().flat_map(literals) {
-                        self.link(position, fact, value, false, &mut links);
+                        self.link(position, fact, value, (false, false), &mut links);
                     }
                     if let Some(write) = &effect.fluent {
                         fluents.extend_from_slice(&write.reads);
@@ -120,7 +136,7 @@ impl Links {
         }
         let end = operators.len() as u32;
         for (fact, value) in &model.goal {
-            self.link(end, *fact, *value, false, &mut links);
+            self.link(end, *fact, *value, (false, false), &mut links);
         }
         for comparing in &model.goal_comparisons {
             for fluent in &comparing.reads {
@@ -139,7 +155,14 @@ impl Links {
         collect(model, propositions, operators, &links, &numeric)
     }
 
-    fn link(&self, consumer: u32, fact: u32, value: bool, used_up: bool, links: &mut Vec<Link>) {
+    fn link(
+        &self,
+        consumer: u32,
+        fact: u32,
+        value: bool,
+        (used_up, from_start): (bool, bool),
+        links: &mut Vec<Link>,
+    ) {
         let index = fact as usize;
         let latest = self.producer[index];
         let producer = if latest == NONE || self.value[index] == value {
@@ -154,6 +177,7 @@ impl Links {
                 fact,
                 value,
                 used_up,
+                from_start,
             });
         }
     }
@@ -189,8 +213,8 @@ fn collect(
             operator: *operator,
             role: Role::Useless,
             primary: NONE,
-            purposes: Vec::new(),
-            consumers: Vec::new(),
+            purposes: SmallVec::new(),
+            consumers: SmallVec::new(),
         })
         .collect();
     let end = operators.len();
@@ -210,7 +234,11 @@ fn collect(
             if element.role == Role::Useless {
                 element.role = Role::Transit;
             }
-            element.consumers.push(consumer as u32);
+            element.consumers.push(Consumer {
+                position: consumer as u32,
+                proposition: NONE,
+                follows: false,
+            });
         }
         for link in here {
             let element = &mut elements[link.producer as usize];
@@ -232,7 +260,18 @@ fn collect(
             if !element.purposes.contains(&(link.fact, link.value)) {
                 element.purposes.push((link.fact, link.value));
             }
-            element.consumers.push(consumer as u32);
+            let supplies = |write: &&Write| write.fact == link.fact && write.value == link.value;
+            let writes = model.writes(element.operator);
+            element.consumers.push(Consumer {
+                position: consumer as u32,
+                proposition,
+                follows: link.from_start
+                    && model.window_of[link.fact as usize] == NONE
+                    && writes
+                        .iter()
+                        .find(supplies)
+                        .is_some_and(|write| write.at_end),
+            });
         }
     }
     elements

@@ -12,7 +12,7 @@ use crate::schedule::limits::Limits;
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::model::NONE;
 use crate::schedule::promptness::Promptness;
-use crate::schedule::repair::Item;
+use crate::schedule::repair::{Item, Tail};
 use crate::schedule::solution::{Schedule, ScheduledOperator};
 use crate::schedule::state::Dispatch;
 use crate::schedule::workshop::Workshop;
@@ -199,7 +199,11 @@ impl<'t> Optimiser<'t> {
             true,
         );
         let useful = |element: &&Element| element.role != Role::Useless || element.primary != NONE;
-        let items: Vec<Item> = elements.iter().filter(useful).map(Item::Keep).collect();
+        let items: Vec<Item> = elements
+            .iter()
+            .filter(useful)
+            .map(|element| Item::Keep(element, Tail::default()))
+            .collect();
         let labelling = self.workshop.labelling();
         let stop = || limits.reached();
         self.nodes += 1;

@@ -41,6 +41,8 @@ pub struct Question<'a> {
     pub target: u32,
     pub labelling: Labelling,
     pub restriction: Restriction,
+    /// What is not reached before this time is of no use [s].
+    pub latest: f32,
     /// Whether to give up: then the target counts as out of reach.
     pub stop: &'a dyn Fn() -> bool,
 }

@@ -10,12 +10,22 @@ use crate::schedule::question::{Labelling, Restriction};
 use crate::schedule::workshop::Workshop;
 
 /// One entry of a changed list.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub enum Item<'e> {
     /// An operator of the list it was made from.
-    Keep(&'e Element),
-    /// A proposition to achieve here.
-    Achieve(u32, Restriction),
+    Keep(&'e Element, Tail),
+    /// A proposition to achieve here, and how long it takes from then on until all is over that waits
+    /// for it [s].
+    Achieve(u32, Restriction, f64),
+}
+
+/// How long it takes, from the end of an operator on, until all is over that waits for it [s].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tail {
+    /// For anything that it achieves.
+    pub any: f64,
+    /// For what it has to achieve anew if it cannot run.
+    pub primary: f64,
 }
 
 impl Workshop {
@@ -29,7 +39,7 @@ impl Workshop {
         stop: &dyn Fn() -> bool,
     ) -> bool {
         let beginning = items.iter().map_while(|item| match item {
-            Item::Keep(element) => Some(element.operator),
+            Item::Keep(element, _) => Some(element.operator),
             Item::Achieve(..) => None,
         });
         let kept = self.start_over(beginning);
@@ -39,16 +49,17 @@ impl Workshop {
         let faithful = self.random.random_bool(0.8);
         let mend_transit = self.random.random_bool(0.5);
         for item in &items[kept..] {
-            match item {
-                Item::Achieve(proposition, restriction) => {
-                    if !self.holds(*proposition)
-                        && !self.achieve(*proposition, labelling, *restriction, bound, stop)
-                        && self.state.makespan >= bound
+            match *item {
+                Item::Achieve(proposition, restriction, tail) => {
+                    let bound = bound - tail;
+                    if !self.holds(proposition)
+                        && !self.achieve(proposition, labelling, restriction, bound, stop)
+                        && self.late
                     {
                         return false;
                     }
                 }
-                Item::Keep(element) => {
+                Item::Keep(element, tail) => {
                     let served = !element.purposes.is_empty()
                         && element
                             .purposes
@@ -58,7 +69,7 @@ impl Workshop {
                         continue;
                     }
                     if let Some(end) = self.append(element.operator) {
-                        if end >= bound {
+                        if end + tail.any >= bound {
                             return false;
                         }
                         continue;
@@ -69,6 +80,7 @@ impl Workshop {
                     {
                         continue;
                     }
+                    let bound = bound - tail.primary;
                     match self.substitute(element.primary, element.operator, faithful) {
                         Some(other) => {
                             if self.append(other.operator).is_some_and(|end| end >= bound) {
@@ -82,6 +94,9 @@ impl Workshop {
                             }
                             let free = Restriction::default();
                             self.achieve(element.primary, labelling, free, bound, stop);
+                            if self.late {
+                                return false;
+                            }
                         }
                     }
                 }
@@ -152,5 +167,59 @@ impl Workshop {
         }
         self.tighten_envelopes();
         links.elements(&self.model, &self.propositions, &original, true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Item, Tail};
+    use crate::schedule::links::Links;
+    use crate::schedule::model::NONE;
+    use crate::schedule::question::Restriction;
+    use crate::schedule::testing::{FACTORY, task};
+    use crate::schedule::workshop::Workshop;
+    use crate::task::OperatorId;
+
+    #[test]
+    fn a_list_is_given_up_before_what_would_be_late() {
+        let task = task(FACTORY);
+        let mut workshop = Workshop::new(&task, 0, None).expect("supported");
+        let mut operators = 0..task.operators.len() as u32;
+        let prime = operators.find(|index| task.operator_name(OperatorId(*index)) == "prime");
+        let (model, propositions) = (&workshop.model, &workshop.propositions);
+        let list = Links::default().elements(model, propositions, &[prime.unwrap_or(NONE)], true);
+        let labelling = workshop.labelling();
+        let tail = Tail {
+            any: 3.0,
+            primary: 3.0,
+        };
+        let items = [Item::Keep(&list[0], tail)];
+        assert!(!workshop.repair(&items, labelling, 7.0, &|| false));
+        assert_eq!(workshop.state.list.len(), 1);
+        assert!(workshop.repair(&items, labelling, 7.1, &|| false));
+        assert!(workshop.state.makespan < 7.1);
+    }
+
+    #[test]
+    fn what_cannot_be_there_in_time_is_not_begun() {
+        let task = task(FACTORY);
+        let mut workshop = Workshop::new(&task, 0, None).expect("supported");
+        let goals = workshop.propositions.goal.clone();
+        assert_eq!(workshop.reach.len(), goals.len());
+        let mut labelling = workshop.labelling();
+        labelling.noise = 0.0;
+        let free = Restriction::default();
+        // Priming takes 4 s, packing may begin when painting does.
+        for (index, goal) in goals.into_iter().enumerate() {
+            if workshop.reach[index] < 5.0 {
+                continue;
+            }
+            workshop.reset();
+            assert!(!workshop.achieve(goal, labelling, free, 6.0, &|| false));
+            assert!(workshop.late && workshop.state.list.is_empty());
+            workshop.reset();
+            assert!(workshop.achieve(goal, labelling, free, 7.1, &|| false));
+            assert!(!workshop.late);
+        }
     }
 }

@@ -42,6 +42,8 @@ pub struct Workshop {
     pub reach: Vec<f64>,
     /// Propositions achieved by exploration since creation.
     pub achieved: u64,
+    /// Whether a list was given up because something would have ended too late.
+    pub late: bool,
 }
 
 impl Workshop {
@@ -64,6 +66,7 @@ impl Workshop {
             urgency: vec![0.0; propositions.goal.len()],
             reach: goal_bounds(&model, &propositions, &state),
             achieved: 0,
+            late: false,
             model,
             propositions,
             state,
@@ -165,6 +168,7 @@ impl Workshop {
                 target,
                 labelling,
                 restriction: Restriction::default(),
+                latest: f32::INFINITY,
                 stop,
             },
             &mut plan,
@@ -174,7 +178,8 @@ impl Workshop {
     }
 
     /// Appends operators until a proposition holds: executes relaxed plans as far as they are
-    /// executable. What was appended stays if it fails.
+    /// executable. What was appended stays if it fails, be it that one of them would end at the bound
+    /// or after it ([`Self::late`]).
     pub fn achieve(
         &mut self,
         target: u32,
@@ -217,11 +222,21 @@ impl Workshop {
                     target,
                     labelling,
                     restriction,
+                    // Noise makes durations longer, by half of it on average.
+                    latest: bound as f32 * (1.0 + 0.5 * labelling.noise),
                     stop,
                 },
                 plan,
             );
             if !label.is_finite() {
+                if labelling.protect && self.exploration.protected {
+                    labelling.protect = false;
+                    continue;
+                }
+                if self.exploration.cut {
+                    self.late = true;
+                    return false;
+                }
                 if restriction.with.is_some() {
                     restriction = Restriction::default();
                 } else if labelling.protect {
@@ -244,6 +259,7 @@ impl Workshop {
                 });
                 let Some(end) = end else { break };
                 if end >= bound {
+                    self.late = true;
                     return false;
                 }
             }
@@ -263,6 +279,7 @@ impl Workshop {
 
     /// Starts over with nothing.
     pub fn reset(&mut self) {
+        self.late = false;
         self.state.reset();
         self.waiting.clear();
     }
@@ -275,6 +292,7 @@ impl Workshop {
             self.reset();
             return 0;
         }
+        self.late = false;
         self.state.keep_beginning(operators)
     }
 
