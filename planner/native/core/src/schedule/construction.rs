@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
+use crate::schedule::model::NONE;
 use crate::schedule::question::{Labelling, Restriction};
 use crate::schedule::workshop::Workshop;
 
@@ -49,11 +50,13 @@ impl Workshop {
                     return false;
                 }
                 let mark = self.state.mark();
-                if self.achieve(*goal, labelling, Restriction::default(), bound, stop) {
+                if self.achieve(*goal, labelling, Restriction::None, bound, stop) {
                     progress = true;
                 } else {
                     self.state.rollback(mark);
-                    self.failed(*goal);
+                    if labelling.without == NONE {
+                        self.failed(*goal);
+                    }
                     if self.late {
                         return false;
                     }
@@ -111,8 +114,7 @@ impl Workshop {
                 continue;
             }
             let mark = self.state.mark();
-            if !label.is_finite()
-                || !self.achieve(goal, labelling, Restriction::default(), bound, stop)
+            if !label.is_finite() || !self.achieve(goal, labelling, Restriction::None, bound, stop)
             {
                 if self.late {
                     return false;

@@ -231,4 +231,16 @@ impl State {
         }
         start
     }
+
+    /// Whether an operator makes a goal false that holds.
+    pub fn destroys_goal(&self, model: &Model, operator: u32) -> bool {
+        model.threatens_goal[operator as usize]
+            && model.writes(operator).iter().any(|write| {
+                model.goal_value[write.fact as usize] == Some(!write.value)
+                    && self.holds(write.fact, !write.value)
+                    && !model.writes(operator).iter().any(|other| {
+                        other.fact == write.fact && other.value != write.value && other.at_end
+                    })
+            })
+    }
 }

@@ -10,10 +10,9 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::schedule::distances::{Ahead, DistanceCache, Distances, key};
-use crate::schedule::model::{Model, NONE};
+use crate::schedule::model::NONE;
 use crate::schedule::propositions::Propositions;
-use crate::schedule::question::{Labelling, Question, Restriction};
-use crate::schedule::state::State;
+use crate::schedule::question::{Labelling, Question};
 use crate::schedule::successors::Successors;
 
 /// Rules looked at between two looks at whether to go on.
@@ -259,7 +258,7 @@ impl Exploration {
         } = *question;
         let rule = &propositions.rules[rule_index as usize];
         let acts = rule.operator != NONE;
-        if acts && labelling.protect && destroys(model, state, rule.operator) {
+        if acts && labelling.protect && state.destroys_goal(model, rule.operator) {
             self.protected = true;
             return;
         }
@@ -298,11 +297,12 @@ impl Exploration {
         for (index, add) in propositions.adds(rule).iter().enumerate() {
             let ahead = distance.propositions[add.proposition as usize];
             if !ahead.is_finite()
+                || add.proposition == labelling.without
                 || add.proposition != target && self.successors.is_dead_end(first_add + index)
             {
                 continue;
             }
-            if add.proposition == target && !admits(propositions, rule_index, restriction) {
+            if add.proposition == target && !restriction.admits(propositions, rule_index) {
                 continue;
             }
             // The operator that achieves the target has to be paid for to its end, even if the target
@@ -388,26 +388,4 @@ impl Exploration {
             fresh
         });
     }
-}
-
-/// Whether an operator makes a goal false that holds.
-fn destroys(model: &Model, state: &State, operator: u32) -> bool {
-    model.threatens_goal[operator as usize]
-        && model.writes(operator).iter().any(|write| {
-            model.goal_value[write.fact as usize] == Some(!write.value)
-                && state.holds(write.fact, !write.value)
-                && !model.writes(operator).iter().any(|other| {
-                    other.fact == write.fact && other.value != write.value && other.at_end
-                })
-        })
-}
-
-fn admits(propositions: &Propositions, rule: u32, restriction: Restriction) -> bool {
-    let rule = &propositions.rules[rule as usize];
-    restriction.with.is_none_or(|with| {
-        propositions
-            .adds(rule)
-            .iter()
-            .any(|add| add.proposition == with)
-    })
 }

@@ -13,6 +13,7 @@
 //! search.
 
 mod application;
+mod changed_list;
 mod changes;
 mod compilation;
 mod construction;
@@ -20,6 +21,7 @@ mod cooling;
 mod dispatch;
 mod distances;
 mod envelopes;
+mod exchange;
 mod exploration;
 mod limits;
 mod links;

@@ -49,20 +49,14 @@ impl Promptness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::testing::{FACTORY, task};
-
-    fn named(task: &Task, name: &str) -> OperatorId {
-        let mut operators = (0..task.operators.len() as u32).map(OperatorId);
-        operators
-            .find(|operator| task.operator_name(*operator) == name)
-            .unwrap_or_else(|| panic!("no operator {name}"))
-    }
+    use crate::schedule::testing::{FACTORY, operator, task};
 
     #[test]
     fn ends_of_the_achievers_count() {
         let task = task(FACTORY);
         let promptness = Promptness::new(&task, 2.0).unwrap_or_else(|| panic!("a weight"));
-        let steps = ["prime", "paint", "pack", "sweep"].map(|name| named(&task, name));
+        let steps =
+            ["prime", "paint", "pack", "sweep"].map(|name| OperatorId(operator(&task, name)));
         let ends = [4.0, 7.0, 6.0, 1.0];
         // Goals: packed at 6, swept at 7, clean at 1; priming achieves none of them.
         let cost = promptness.cost(steps.into_iter().zip(ends));

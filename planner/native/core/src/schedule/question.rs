@@ -23,13 +23,20 @@ pub struct Labelling {
     /// Of what an operator needs, achieve the farthest first, and rely on what its operators add
     /// besides: what is near, like a vehicle's place, is often lost on the way to the rest.
     pub far_first: bool,
+    /// A proposition that must not be achieved, or [`NONE`](crate::schedule::model::NONE).
+    pub without: u32,
 }
 
 /// What the last rule must look like.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Restriction {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Restriction {
+    /// It may be any.
+    #[default]
+    None,
     /// It must add this too.
-    pub with: Option<u32>,
+    With(u32),
+    /// It must be this operator's.
+    Operator(u32),
 }
 
 /// What to explore: from the state behind a list to one proposition.
@@ -45,4 +52,19 @@ pub struct Question<'a> {
     pub latest: f32,
     /// Whether to give up: then the target counts as out of reach.
     pub stop: &'a dyn Fn() -> bool,
+}
+
+impl Restriction {
+    /// Whether a rule looks like that.
+    pub fn admits(self, propositions: &Propositions, rule: u32) -> bool {
+        let rule = &propositions.rules[rule as usize];
+        match self {
+            Self::None => true,
+            Self::With(with) => {
+                let mut adds = propositions.adds(rule).iter();
+                adds.any(|add| add.proposition == with)
+            }
+            Self::Operator(operator) => rule.operator == operator,
+        }
+    }
 }

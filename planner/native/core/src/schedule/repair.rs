@@ -17,6 +17,8 @@ pub enum Item<'e> {
     /// A proposition to achieve here, and how long it takes from then on until all is over that waits
     /// for it [s].
     Achieve(u32, Restriction, f64),
+    /// From here on, a proposition is not to be achieved.
+    Without(u32),
 }
 
 /// How long it takes, from the end of an operator on, until all is over that waits for it [s].
@@ -34,13 +36,13 @@ impl Workshop {
     pub fn repair(
         &mut self,
         items: &[Item<'_>],
-        labelling: Labelling,
+        mut labelling: Labelling,
         bound: f64,
         stop: &dyn Fn() -> bool,
     ) -> bool {
         let beginning = items.iter().map_while(|item| match item {
             Item::Keep(element, _) => Some(element.operator),
-            Item::Achieve(..) => None,
+            Item::Achieve(..) | Item::Without(_) => None,
         });
         let kept = self.start_over(beginning);
         if kept > 0 && self.state.makespan >= bound {
@@ -50,6 +52,7 @@ impl Workshop {
         let mend_transit = self.random.random_bool(0.5);
         for item in &items[kept..] {
             match *item {
+                Item::Without(proposition) => labelling.without = proposition,
                 Item::Achieve(proposition, restriction, tail) => {
                     let bound = bound - tail;
                     if !self.holds(proposition)
@@ -92,7 +95,7 @@ impl Workshop {
                             if stop() {
                                 return false;
                             }
-                            let free = Restriction::default();
+                            let free = Restriction::None;
                             self.achieve(element.primary, labelling, free, bound, stop);
                             if self.late {
                                 return false;
@@ -174,20 +177,17 @@ impl Workshop {
 mod tests {
     use super::{Item, Tail};
     use crate::schedule::links::Links;
-    use crate::schedule::model::NONE;
     use crate::schedule::question::Restriction;
-    use crate::schedule::testing::{FACTORY, task};
+    use crate::schedule::testing::{FACTORY, operator, task};
     use crate::schedule::workshop::Workshop;
-    use crate::task::OperatorId;
 
     #[test]
     fn a_list_is_given_up_before_what_would_be_late() {
         let task = task(FACTORY);
         let mut workshop = Workshop::new(&task, 0, None).expect("supported");
-        let mut operators = 0..task.operators.len() as u32;
-        let prime = operators.find(|index| task.operator_name(OperatorId(*index)) == "prime");
+        let prime = operator(&task, "prime");
         let (model, propositions) = (&workshop.model, &workshop.propositions);
-        let list = Links::default().elements(model, propositions, &[prime.unwrap_or(NONE)], true);
+        let list = Links::default().elements(model, propositions, &[prime], true);
         let labelling = workshop.labelling();
         let tail = Tail {
             any: 3.0,
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(workshop.reach.len(), goals.len());
         let mut labelling = workshop.labelling();
         labelling.noise = 0.0;
-        let free = Restriction::default();
+        let free = Restriction::None;
         // Priming takes 4 s, packing may begin when painting does.
         for (index, goal) in goals.into_iter().enumerate() {
             if workshop.reach[index] < 5.0 {

@@ -356,6 +356,7 @@ mod tests {
                 windows: true,
                 greed: 1.0,
                 far_first: false,
+                without: NONE,
             };
             let target = workshop.propositions.goal[0];
             prop_assume!(!workshop.holds(target));

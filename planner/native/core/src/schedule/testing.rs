@@ -4,7 +4,7 @@ use crate::attachment::NoAttachments;
 use crate::grounding::{GroundingLimits, ground};
 use crate::pddl::{read_domain, read_problem};
 use crate::syntax::source::SourceFile;
-use crate::task::Task;
+use crate::task::{OperatorId, Task};
 
 /// Prime, then paint, then pack; sweeping is independent.
 pub const FACTORY: &str = "(define (domain factory) (:requirements :durative-actions)
@@ -41,4 +41,11 @@ pub fn ground_texts(domain: &str, problem: &str) -> Task {
         &GroundingLimits::default(),
     )
     .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The operator of a name.
+pub fn operator(task: &Task, name: &str) -> u32 {
+    let mut operators = 0..task.operators.len() as u32;
+    let found = operators.find(|index| task.operator_name(OperatorId(*index)) == name);
+    found.unwrap_or_else(|| panic!("no operator {name}"))
 }

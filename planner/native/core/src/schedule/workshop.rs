@@ -85,6 +85,7 @@ impl Workshop {
             noise: [0.0, 0.1, 0.5][self.random.random_range(0..3)],
             salt: self.random.random(),
             far_first: false,
+            without: NONE,
             protect: self.random.random_bool(0.7),
             windows: true,
             greed: GREED[self.random.random_range(0..GREED.len())],
@@ -167,7 +168,7 @@ impl Workshop {
                 state: &self.state,
                 target,
                 labelling,
-                restriction: Restriction::default(),
+                restriction: Restriction::None,
                 latest: f32::INFINITY,
                 stop,
             },
@@ -237,8 +238,8 @@ impl Workshop {
                     self.late = true;
                     return false;
                 }
-                if restriction.with.is_some() {
-                    restriction = Restriction::default();
+                if restriction != Restriction::None {
+                    restriction = Restriction::None;
                 } else if labelling.protect {
                     labelling.protect = false;
                 } else if labelling.windows && !self.model.windowed.is_empty() {
