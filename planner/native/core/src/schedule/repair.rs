@@ -31,8 +31,8 @@ pub struct Tail {
 }
 
 impl Workshop {
-    /// Executes a changed list and achieves the goals that it leaves open. False if that fails or
-    /// an operator would end after the bound.
+    /// Executes a changed list and achieves the goals that it leaves open. False if that fails, or if
+    /// an operator with what has to follow it would not be over before the bound.
     pub fn repair(
         &mut self,
         items: &[Item<'_>],
