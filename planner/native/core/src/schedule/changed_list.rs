@@ -176,17 +176,13 @@ mod tests {
             );
         let task = task(&domain);
         let workshop = Workshop::new(&task, 0, None).expect("supported");
-        let list = elements(&task, &workshop, &["prime", "sweep", "paint", "pack"]);
+        let list = elements(&task, &workshop, &["prime", "paint", "pack", "sweep"]);
         let spans = ChangedList::new(&list).spans(&workshop.model);
         let tail = |position: usize| super::tail(&list[0], &spans, position);
-        assert_eq!(tail(0).any, 3.0);
-        assert_eq!(tail(3).any, 0.0);
-        let sweeps = list[0]
-            .consumers
-            .iter()
-            .find(|consumer| consumer.position == 1);
-        let warms = sweeps.map(|consumer| consumer.proposition) == Some(list[0].primary);
-        assert_eq!(tail(0).primary, if warms { 1.0 } else { 3.0 });
+        // The primary is what the last one takes: sweeping the warmth.
+        assert_eq!((tail(0).any, tail(0).primary), (3.0, 1.0));
+        assert_eq!((tail(2).any, tail(2).primary), (1.0, 1.0));
+        assert_eq!(tail(4).any, 0.0);
     }
 
     #[test]

@@ -126,9 +126,16 @@ mod tests {
 
     #[test]
     fn both_do_from_there_on_what_the_other_one_did() {
+        // Who is free then tells workers apart; where nobody is, only the operator does.
+        exchange_from_the_second(WORKERS, |way| matches!(way, Restriction::With(_)));
+        let once = WORKERS.replace("(at end (free ?w)) ", "");
+        exchange_from_the_second(&once, |way| matches!(way, Restriction::Operator(_)));
+    }
+
+    fn exchange_from_the_second(domain: &str, is_told: impl Fn(&Restriction) -> bool) {
         let problem = "(define (problem p) (:domain workers) (:init (free w1) (free w2))
              (:goal (and (done j1) (done j2) (done j3) (done j4))))";
-        let task = ground_texts(WORKERS, problem);
+        let task = ground_texts(domain, problem);
         let mut workshop = Workshop::new(&task, 0, None).expect("supported");
         let names = ["work w1 j1", "work w2 j2", "work w2 j3", "work w1 j4"];
         let operators = names.map(|name| operator(&task, name));
@@ -144,8 +151,7 @@ mod tests {
                 let Item::Achieve(proposition, restriction, _) = item else {
                     panic!("{item:?}");
                 };
-                // Who is free then tells them apart.
-                assert!(matches!(restriction, Restriction::With(_)));
+                assert!(is_told(restriction), "{restriction:?}");
                 let propositions = &workshop.propositions;
                 let ways = propositions.adding.row(*proposition).iter();
                 let mut ways = ways.filter(|rule| restriction.admits(propositions, **rule));

@@ -45,8 +45,9 @@ pub struct Exploration {
     cost_is_time: bool,
     /// Labels settled since creation.
     pub settled: u64,
-    /// Whether the last exploration left out what would be too late, and what destroys goals.
+    /// Whether the last exploration left out what would be too late.
     pub cut: bool,
+    /// Whether it left out what destroys goals.
     pub protected: bool,
 }
 

@@ -53,7 +53,7 @@ impl Workshop {
             }
             5 => self.release_object(task, &mut list, anchor),
             6 => self.exchange_objects(task, &mut list, anchor),
-            7 => self.do_without(&mut list, &anchors),
+            7 => self.do_without(&mut list, &anchors, anchor),
             _ => {
                 if !persistent.is_empty() {
                     let wish = persistent[self.random.random_range(0..persistent.len())];
@@ -185,12 +185,12 @@ impl Workshop {
     }
 
     /// Goes without something that lasts and is no goal: those that took it look for other ways.
-    fn do_without(&mut self, list: &mut ChangedList<'_>, anchors: &[usize]) {
+    fn do_without(&mut self, list: &mut ChangedList<'_>, anchors: &[usize], anchor: usize) {
         let elements = list.elements;
         let lasting = |index: &&usize| elements[**index].role == Role::Lasting;
         let lasting: Vec<usize> = anchors.iter().filter(lasting).copied().collect();
         if lasting.is_empty() {
-            return self.relocate(list, anchors[0]);
+            return self.relocate(list, anchor);
         }
         let index = lasting[self.random.random_range(0..lasting.len())];
         let element = &elements[index];
