@@ -1,7 +1,7 @@
 //! A list being changed: what is taken out of it and what is put in.
 
 use crate::schedule::links::{Element, Role};
-use crate::schedule::model::{Model, NONE};
+use crate::schedule::model::Model;
 use crate::schedule::question::Restriction;
 use crate::schedule::repair::{Item, Tail};
 
@@ -36,17 +36,11 @@ impl<'e> ChangedList<'e> {
         }
     }
 
-    /// The elements that moves start from: what they are for stays, or is a goal.
+    /// The elements that moves start from.
     pub fn anchors(&self) -> Vec<usize> {
         (0..self.elements.len())
-            .filter(|index| self.is_anchor(*index))
+            .filter(|index| self.elements[*index].is_anchor())
             .collect()
-    }
-
-    /// Whether what an element is for stays, or is a goal.
-    pub fn is_anchor(&self, index: usize) -> bool {
-        let element = &self.elements[index];
-        matches!(element.role, Role::Goal | Role::Lasting) && element.primary != NONE
     }
 
     pub fn insert(&mut self, position: usize, insertion: Insertion) {

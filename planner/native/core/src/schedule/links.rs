@@ -31,6 +31,13 @@ pub struct Element {
     pub consumers: SmallVec<[Consumer; 2]>,
 }
 
+impl Element {
+    /// Whether moves start from it: what it is for stays, or is a goal.
+    pub fn is_anchor(&self) -> bool {
+        matches!(self.role, Role::Goal | Role::Lasting) && self.primary != NONE
+    }
+}
+
 /// An operator that takes what another one achieves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Consumer {

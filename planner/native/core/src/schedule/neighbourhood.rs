@@ -14,19 +14,21 @@ use crate::task::Task;
 const MOVES: usize = 9;
 
 impl Workshop {
-    /// A random neighbour of a list.
+    /// A random neighbour of a list, changed at one of some anchors, if any are given.
     pub fn neighbour<'e>(
         &mut self,
         task: &Task,
         elements: &'e [Element],
         persistent: &[u32],
+        focus: &[usize],
     ) -> Vec<Item<'e>> {
         let mut list = ChangedList::new(elements);
         let anchors = list.anchors();
         if anchors.is_empty() {
             return list.items(&self.model);
         }
-        let anchor = anchors[self.random.random_range(0..anchors.len())];
+        let choice = if focus.is_empty() { &anchors } else { focus };
+        let anchor = choice[self.random.random_range(0..choice.len())];
         match self.random.random_range(0..MOVES) {
             0 => self.relocate(&mut list, anchor),
             1 => {
@@ -199,7 +201,7 @@ impl Workshop {
         for consumer in &element.consumers {
             let position = consumer.position as usize;
             if position < elements.len() && !list.dropped[position] {
-                if list.is_anchor(position) {
+                if elements[position].is_anchor() {
                     list.redo(position, position, Restriction::None);
                 } else {
                     list.dropped[position] = true;

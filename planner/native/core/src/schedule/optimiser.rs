@@ -1,15 +1,14 @@
-//! The anytime optimiser: multi-start construction, then simulated annealing over list
-//! neighbourhoods in cycles of growing length.
+//! The anytime optimiser: multi-start construction, then local search over list neighbourhoods in
+//! cycles of growing length.
 
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-
-use rand::RngExt;
 
 use crate::schedule::construction::Manner;
 use crate::schedule::cooling::Cooling;
 use crate::schedule::limits::Limits;
 use crate::schedule::links::{Element, Links, Role};
+use crate::schedule::local_search::Current;
 use crate::schedule::model::NONE;
 use crate::schedule::promptness::Promptness;
 use crate::schedule::repair::{Item, Tail};
@@ -18,9 +17,6 @@ use crate::schedule::state::Dispatch;
 use crate::schedule::workshop::Workshop;
 use crate::task::{OperatorId, Task};
 
-/// Temperatures of annealing, relative to the value of the best plan.
-const HOT: f64 = 0.02;
-const COLD: f64 = 0.001;
 /// Iterations of the first cycle; each later one is longer.
 const FIRST_CYCLE: u64 = 1_500;
 /// A cycle from somewhere else is worth repeating soon if it ends within this part above the best.
@@ -40,16 +36,16 @@ pub enum Ending {
 /// Searches the list schedules of one task; deterministic for task, seed and node limit.
 #[derive(Clone, Debug)]
 pub struct Optimiser<'t> {
-    task: &'t Task,
-    workshop: Workshop,
-    links: Links,
+    pub(super) task: &'t Task,
+    pub(super) workshop: Workshop,
+    pub(super) links: Links,
     bound: f64,
-    persistent: Vec<u32>,
-    best: Option<Schedule>,
+    pub(super) persistent: Vec<u32>,
+    pub(super) best: Option<Schedule>,
     best_list: Vec<Element>,
     /// Lists tried.
-    nodes: u64,
-    /// Cycles of annealing so far, and the length of the next one in lists.
+    pub(super) nodes: u64,
+    /// Cycles so far, and the length of the next one in lists.
     cycle: u32,
     cycle_length: u64,
     /// Whether the last cycle from somewhere else came near the best plan.
@@ -152,7 +148,7 @@ impl<'t> Optimiser<'t> {
                     _ => Cooling::Lists(remaining),
                 }
             };
-            self.anneal(self.cycle, cooling, limits, on_plan);
+            self.improve(cooling, limits, on_plan);
             self.cycle += 1;
             self.cycle_length += self.cycle_length / 2;
         }
@@ -176,7 +172,7 @@ impl<'t> Optimiser<'t> {
         ((left_s * rate) as u64).max(50)
     }
 
-    fn proved(&self) -> bool {
+    pub(super) fn proved(&self) -> bool {
         self.workshop.objective.is_makespan()
             && self
                 .best
@@ -262,7 +258,7 @@ impl<'t> Optimiser<'t> {
     }
 
     /// Takes the schedule under construction if it is better than the best.
-    fn offer(&mut self, elements: &[Element], on_plan: &mut dyn FnMut(&Schedule)) {
+    pub(super) fn offer(&mut self, elements: &[Element], on_plan: &mut dyn FnMut(&Schedule)) {
         let cost = self.workshop.objective.primary(&self.workshop.state);
         let makespan = self.workshop.state.makespan;
         let better = self.best.as_ref().is_none_or(|best| {
@@ -308,63 +304,27 @@ impl<'t> Optimiser<'t> {
         best.map_or(f64::INFINITY, |best| best.cost)
     }
 
-    /// One cycle of simulated annealing.
-    fn anneal(
+    /// One cycle: from the best list or from a new one.
+    fn improve(
         &mut self,
-        cycle: u32,
         cooling: Cooling,
         limits: &Limits<'_>,
         on_plan: &mut dyn FnMut(&Schedule),
     ) {
-        let stop = || limits.reached();
-        let mut current = self.best_list.clone();
-        let mut value = self.value_of(&current);
-        let elsewhere = cycle % 3 == 2 || cycle % 3 == 1 && self.competitive;
+        let elements = self.best_list.clone();
+        let value = self.value_of(&elements);
+        let mut current = Current { elements, value };
+        let elsewhere = self.cycle % 3 == 2 || self.cycle % 3 == 1 && self.competitive;
         if elsewhere {
             self.nodes += 1;
+            let stop = || limits.reached();
             if self.workshop.construct(Manner::Any, f64::INFINITY, &stop) {
-                current = self.workshop.prune(&mut self.links);
-                value = self.workshop.value();
+                current.elements = self.workshop.prune(&mut self.links);
+                current.value = self.workshop.value();
             }
         }
-        let scale = value.abs().max(1e-3);
-        for iteration in 0.. {
-            let progress = cooling.progress(iteration);
-            if progress >= 1.0 {
-                break;
-            }
-            if self.proved() || stop() {
-                return;
-            }
-            self.nodes += 1;
-            let temperature = scale * HOT * (COLD / HOT).powf(progress);
-            let luck: f64 = self.workshop.random.random();
-            let accepted = value - temperature * luck.max(1e-12).ln();
-            // The value is never below the makespan: stop schedules that end too late.
-            let bound = if self.workshop.objective.is_time() {
-                accepted
-            } else {
-                f64::INFINITY
-            };
-            let labelling = self.workshop.labelling();
-            let items = self
-                .workshop
-                .neighbour(self.task, &current, &self.persistent);
-            if !self.workshop.repair(&items, labelling, bound, &stop) {
-                continue;
-            }
-            if self.workshop.is_again(&current, value) {
-                continue;
-            }
-            let elements = self.workshop.prune(&mut self.links);
-            let candidate = self.workshop.value();
-            if candidate <= accepted {
-                value = candidate;
-                self.offer(&elements, on_plan);
-                current = elements;
-            }
-        }
-        if elsewhere {
+        let value = self.search_from(current, cooling, limits, on_plan);
+        if elsewhere && !limits.reached() {
             let best = self.value_of(&self.best_list.clone());
             self.competitive = value <= best + COMPETITIVE * best.abs();
         }
