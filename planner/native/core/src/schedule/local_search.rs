@@ -27,6 +27,8 @@ const COOL: f64 = 0.001;
 const SLACK: f64 = 0.2;
 /// Lists without success after which a descent ends.
 const PATIENCE: u32 = 40;
+/// Cycles of fewer lists are annealing throughout: a descent takes some dozens.
+const MANY: u64 = 500;
 /// How often a descent changes something that the makespan waits for.
 const FOCUS: f64 = 0.8;
 
@@ -38,17 +40,18 @@ pub(super) struct Current {
 }
 
 impl Optimiser<'_> {
-    /// One cycle from a list on. Each better plan is reported; returns what the last list is worth.
+    /// One cycle of about so many lists, from one on. Each better plan is reported; returns what the last list is worth.
     pub(super) fn search_from(
         &mut self,
         mut current: Current,
-        cooling: Cooling,
+        (cooling, lists): (Cooling, u64),
         limits: &Limits<'_>,
         on_plan: &mut dyn FnMut(&Schedule),
     ) -> f64 {
-        // Without times to be late for, there is nothing to descend from.
+        // Without times to be late for, there is nothing to descend from; short cycles have no time to.
         let is_time = self.workshop.objective.is_time();
-        let annealing = if is_time { ANNEALING } else { 1.0 };
+        let descends = is_time && lists >= MANY;
+        let annealing = if descends { ANNEALING } else { 1.0 };
         let scale = current.value.abs().max(1e-3);
         let begun = self.nodes;
         loop {
@@ -233,11 +236,12 @@ mod tests {
         let start = longest_first(&task, &mut optimiser);
         let cancel = AtomicBool::new(false);
         let limits = unlimited(&cancel);
-        for length in [1, 7, 100, 333] {
+        for length in [1, 333, 500, 777] {
             let before = optimiser.nodes;
             optimiser.best = None;
             let cooling = Cooling::Lists(length);
-            let value = optimiser.search_from(start.clone(), cooling, &limits, &mut |_| {});
+            let value =
+                optimiser.search_from(start.clone(), (cooling, length), &limits, &mut |_| {});
             assert_eq!(optimiser.nodes - before, length);
             assert!(value <= start.value * 1.1);
         }

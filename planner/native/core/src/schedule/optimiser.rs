@@ -148,7 +148,8 @@ impl<'t> Optimiser<'t> {
                     _ => Cooling::Lists(remaining),
                 }
             };
-            self.improve(cooling, limits, on_plan);
+            let lists = remaining.min(self.cycle_length);
+            self.improve((cooling, lists), limits, on_plan);
             self.cycle += 1;
             self.cycle_length += self.cycle_length / 2;
         }
@@ -304,10 +305,10 @@ impl<'t> Optimiser<'t> {
         best.map_or(f64::INFINITY, |best| best.cost)
     }
 
-    /// One cycle: from the best list or from a new one.
+    /// One cycle of about so many lists: from the best list or from a new one.
     fn improve(
         &mut self,
-        cooling: Cooling,
+        (cooling, lists): (Cooling, u64),
         limits: &Limits<'_>,
         on_plan: &mut dyn FnMut(&Schedule),
     ) {
@@ -323,7 +324,7 @@ impl<'t> Optimiser<'t> {
                 current.value = self.workshop.value();
             }
         }
-        let value = self.search_from(current, cooling, limits, on_plan);
+        let value = self.search_from(current, (cooling, lists), limits, on_plan);
         if elsewhere && !limits.reached() {
             let best = self.value_of(&self.best_list.clone());
             self.competitive = value <= best + COMPETITIVE * best.abs();
