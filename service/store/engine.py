@@ -5,7 +5,7 @@ from typing import Any
 from sqlalchemy import Engine, create_engine, event
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
-from sqlalchemy.pool import ConnectionPoolEntry, StaticPool
+from sqlalchemy.pool import ConnectionPoolEntry, QueuePool
 
 
 class DatabaseUrlError(ValueError):
@@ -33,7 +33,11 @@ def connect(url: str) -> Engine:
 def _sqlite(url: str, *, in_memory: bool) -> Engine:
     arguments: dict[str, Any] = {"check_same_thread": False, "timeout": 10.0}
     if in_memory:
-        engine = create_engine(url, connect_args=arguments, poolclass=StaticPool)
+        # The one connection is the database. Threads take turns at it: a reader that gives back a
+        # connection rolls back what is open on it, be it another thread's transaction.
+        engine = create_engine(
+            url, connect_args=arguments, poolclass=QueuePool, pool_size=1, max_overflow=0
+        )
     else:
         engine = create_engine(url, connect_args=arguments)
 

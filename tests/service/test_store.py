@@ -1,5 +1,7 @@
 """The store on SQLite files and on PostgreSQL: migrations, durability, broken connections."""
 
+from concurrent.futures import ThreadPoolExecutor, wait
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -7,7 +9,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from in_process import serving
 from postgres import postgres
-from sqlalchemy import inspect
+from sqlalchemy import func, insert, inspect, select
 from test_mission_loop import ROOMS, TARGETS, WAIT, drive, fleet
 from test_plans import request
 
@@ -15,7 +17,16 @@ from service.app import create_app
 from service.settings import Settings, sqlite_url
 from service.store.engine import DatabaseUrlError, connect
 from service.store.schema import prepare
-from service.store.tables import METADATA
+from service.store.tables import METADATA, MISSIONS
+
+MISSION = {
+    "id": "m",
+    "name": "survey",
+    "fleet": "f",
+    "domain": "marsupial",
+    "is_over": False,
+    "created_at": datetime(2026, 1, 1, tzinfo=UTC),
+}
 
 
 def test_migrations_make_the_tables_that_the_code_works_with(tmp_path: Path) -> None:
@@ -33,6 +44,25 @@ def test_sqlite_commits_are_on_disk_when_they_return(tmp_path: Path) -> None:
     with engine.connect() as connection:
         assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
         assert connection.exec_driver_sql("PRAGMA synchronous").scalar() == 2
+    engine.dispose()
+
+
+@pytest.mark.parametrize("name", ["", "x.sqlite"])
+def test_a_reader_does_not_undo_what_another_thread_is_writing(name: str, tmp_path: Path) -> None:
+    engine = connect(sqlite_url(tmp_path / name) if name else "sqlite://")
+    prepare(engine)
+
+    def count() -> int | None:
+        with engine.connect() as connection:
+            return connection.scalar(select(func.count()).select_from(MISSIONS))
+
+    with ThreadPoolExecutor(1) as reader:
+        with engine.begin() as connection:
+            connection.execute(insert(MISSIONS).values(MISSION))
+            seen = reader.submit(count)
+            wait([seen], 0.2)
+        assert seen.result(30.0) in (0, 1)
+    assert count() == 1
     engine.dispose()
 
 
