@@ -135,17 +135,9 @@ fn tail(element: &Element, spans: &[f64], position: usize) -> Tail {
 #[cfg(test)]
 mod tests {
     use super::{ChangedList, Insertion};
-    use crate::schedule::links::{Element, Links};
     use crate::schedule::repair::Item;
-    use crate::schedule::testing::{FACTORY, operator, task};
+    use crate::schedule::testing::{FACTORY, elements, operator, task};
     use crate::schedule::workshop::Workshop;
-    use crate::task::Task;
-
-    fn elements(task: &Task, workshop: &Workshop, names: &[&str]) -> Vec<Element> {
-        let operators: Vec<u32> = names.iter().map(|name| operator(task, name)).collect();
-        let (model, propositions) = (&workshop.model, &workshop.propositions);
-        Links::default().elements(model, propositions, &operators, true)
-    }
 
     #[test]
     fn spans_reach_as_far_as_consumers_cannot_start_before() {

@@ -32,8 +32,7 @@ pub(super) fn critical_anchors(elements: &[Element], state: &State) -> Vec<usize
 #[cfg(test)]
 mod tests {
     use super::critical_anchors;
-    use crate::schedule::links::Links;
-    use crate::schedule::testing::{FACTORY, operator, task};
+    use crate::schedule::testing::{FACTORY, elements, operator, task};
     use crate::schedule::workshop::Workshop;
 
     #[test]
@@ -43,8 +42,7 @@ mod tests {
         let names = ["sweep", "prime", "paint", "pack"];
         let list = names.map(|name| operator(&task, name));
         assert!(workshop.replay(list.into_iter()));
-        let (model, propositions) = (&workshop.model, &workshop.propositions);
-        let elements = Links::default().elements(model, propositions, &list, true);
+        let elements = elements(&task, &workshop, &names);
         // Painting lasts longer than packing, which begins when painting does.
         assert_eq!(critical_anchors(&elements, &workshop.state), [2, 1]);
         assert!(critical_anchors(&elements[..3], &workshop.state).is_empty());

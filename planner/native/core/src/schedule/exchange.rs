@@ -111,10 +111,9 @@ impl Workshop {
 #[cfg(test)]
 mod tests {
     use crate::schedule::changed_list::ChangedList;
-    use crate::schedule::links::Links;
     use crate::schedule::question::Restriction;
     use crate::schedule::repair::Item;
-    use crate::schedule::testing::{ground_texts, operator};
+    use crate::schedule::testing::{elements, ground_texts, operator};
     use crate::schedule::workshop::Workshop;
 
     const WORKERS: &str = "(define (domain workers) (:requirements :typing :durative-actions)
@@ -138,14 +137,13 @@ mod tests {
         let task = ground_texts(domain, problem);
         let mut workshop = Workshop::new(&task, 0, None).expect("supported");
         let names = ["work w1 j1", "work w2 j2", "work w2 j3", "work w1 j4"];
-        let operators = names.map(|name| operator(&task, name));
-        let (model, propositions) = (&workshop.model, &workshop.propositions);
-        let elements = Links::default().elements(model, propositions, &operators, true);
+        let first = operator(&task, names[0]);
+        let elements = elements(&task, &workshop, &names);
         for _ in 0..20 {
             let mut list = ChangedList::new(&elements);
             workshop.exchange_objects(&task, &mut list, 1);
             let items = list.items(&workshop.model);
-            assert!(matches!(items[0], Item::Keep(element, _) if element.operator == operators[0]));
+            assert!(matches!(items[0], Item::Keep(element, _) if element.operator == first));
             let now = ["work w1 j2", "work w1 j3", "work w2 j4"];
             for (item, name) in items[1..].iter().zip(now) {
                 let Item::Achieve(proposition, restriction, _) = item else {

@@ -8,8 +8,8 @@
 
 use rand::RngExt;
 
-use crate::schedule::cooling::Cooling;
 use crate::schedule::critical::critical_anchors;
+use crate::schedule::cycle::Cycle;
 use crate::schedule::limits::Limits;
 use crate::schedule::links::Element;
 use crate::schedule::optimiser::Optimiser;
@@ -40,22 +40,22 @@ pub(super) struct Current {
 }
 
 impl Optimiser<'_> {
-    /// One cycle of about so many lists, from one on. Each better plan is reported; returns what the last list is worth.
+    /// One cycle, from a list on. Each better plan is reported; returns what the last list is worth.
     pub(super) fn search_from(
         &mut self,
         mut current: Current,
-        (cooling, lists): (Cooling, u64),
+        cycle: Cycle,
         limits: &Limits<'_>,
         on_plan: &mut dyn FnMut(&Schedule),
     ) -> f64 {
         // Without times to be late for, there is nothing to descend from; short cycles have no time to.
         let is_time = self.workshop.objective.is_time();
-        let descends = is_time && lists >= MANY;
+        let descends = is_time && cycle.lists >= MANY;
         let annealing = if descends { ANNEALING } else { 1.0 };
         let scale = current.value.abs().max(1e-3);
         let begun = self.nodes;
         loop {
-            let progress = cooling.progress(self.nodes - begun);
+            let progress = cycle.progress(self.nodes - begun);
             if progress >= 1.0 || self.proved() || limits.reached() {
                 return current.value;
             }
@@ -70,7 +70,7 @@ impl Optimiser<'_> {
                 let progress = (progress - annealing) / (1.0 - annealing);
                 let temperature = current.value * between(WARM, COOL, progress);
                 let accepted = self.accepted(current.value, temperature);
-                let over = |nodes: u64| cooling.progress(nodes - begun) >= 1.0;
+                let over = |nodes: u64| cycle.progress(nodes - begun) >= 1.0;
                 self.change_and_descend(&current, accepted, limits, &over)
             };
             if let Some(next) = next {
@@ -157,7 +157,7 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     use super::Current;
-    use crate::schedule::cooling::Cooling;
+    use crate::schedule::cycle::Cycle;
     use crate::schedule::limits::Limits;
     use crate::schedule::optimiser::Optimiser;
     use crate::schedule::testing::{ground_texts, operator};
@@ -239,9 +239,8 @@ mod tests {
         for length in [1, 333, 500, 777] {
             let before = optimiser.nodes;
             optimiser.best = None;
-            let cooling = Cooling::Lists(length);
-            let value =
-                optimiser.search_from(start.clone(), (cooling, length), &limits, &mut |_| {});
+            let cycle = Cycle::of(length);
+            let value = optimiser.search_from(start.clone(), cycle, &limits, &mut |_| {});
             assert_eq!(optimiser.nodes - before, length);
             assert!(value <= start.value * 1.1);
         }

@@ -1,9 +1,11 @@
 //! The list-schedule space: plans as lists of operators, each dispatched at its earliest start.
 //!
 //! ```text
-//! optimiser ──► construction, repair (of neighbours) ──► workshop.achieve ──► exploration
-//!     │                      │                                                    │
-//!     └─► lower_bound        └─► links (what each operator is for)                └─► propositions
+//! optimiser ──► local_search ──► repair (of neighbours) ──► workshop.achieve ──► exploration
+//!     │           │    │                 │    ▲                                    │
+//!     │           │    └─► critical ──► links │ (what each operator is for)        └─► propositions
+//!     │           └─► neighbourhood           │
+//!     └─► lower_bound, construction ──────────┘
 //!                                              all on: state (dispatch, undo) ──► model
 //! ```
 //!
@@ -17,8 +19,8 @@ mod changed_list;
 mod changes;
 mod compilation;
 mod construction;
-mod cooling;
 mod critical;
+mod cycle;
 mod dispatch;
 mod distances;
 mod envelopes;

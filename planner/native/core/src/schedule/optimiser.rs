@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use crate::schedule::construction::Manner;
-use crate::schedule::cooling::Cooling;
+use crate::schedule::cycle::Cycle;
 use crate::schedule::limits::Limits;
 use crate::schedule::links::{Element, Links, Role};
 use crate::schedule::local_search::Current;
@@ -46,7 +46,7 @@ pub struct Optimiser<'t> {
     /// Lists tried.
     pub(super) nodes: u64,
     /// Cycles so far, and the length of the next one in lists.
-    cycle: u32,
+    cycles: u32,
     cycle_length: u64,
     /// Whether the last cycle from somewhere else came near the best plan.
     competitive: bool,
@@ -80,7 +80,7 @@ impl<'t> Optimiser<'t> {
             best: None,
             best_list: Vec::new(),
             nodes: 0,
-            cycle: 0,
+            cycles: 0,
             cycle_length: FIRST_CYCLE,
             competitive: false,
         })
@@ -140,17 +140,16 @@ impl<'t> Optimiser<'t> {
                 None => self.affordable(limits, begun, nodes_before),
             };
             // A short remainder joins the last cycle: a cycle that is cut off ends hot.
-            let cooling = if remaining >= 2 * self.cycle_length {
-                Cooling::Lists(self.cycle_length)
+            let cycle = if remaining >= 2 * self.cycle_length {
+                Cycle::of(self.cycle_length)
             } else {
                 match limits.deadline {
-                    Some(deadline) if limits.nodes.is_none() => Cooling::until(deadline),
-                    _ => Cooling::Lists(remaining),
+                    Some(deadline) if limits.nodes.is_none() => Cycle::until(deadline, remaining),
+                    _ => Cycle::of(remaining),
                 }
             };
-            let lists = remaining.min(self.cycle_length);
-            self.improve((cooling, lists), limits, on_plan);
-            self.cycle += 1;
+            self.improve(cycle, limits, on_plan);
+            self.cycles += 1;
             self.cycle_length += self.cycle_length / 2;
         }
         if self.proved() {
@@ -305,17 +304,12 @@ impl<'t> Optimiser<'t> {
         best.map_or(f64::INFINITY, |best| best.cost)
     }
 
-    /// One cycle of about so many lists: from the best list or from a new one.
-    fn improve(
-        &mut self,
-        (cooling, lists): (Cooling, u64),
-        limits: &Limits<'_>,
-        on_plan: &mut dyn FnMut(&Schedule),
-    ) {
+    /// One cycle: from the best list or from a new one.
+    fn improve(&mut self, cycle: Cycle, limits: &Limits<'_>, on_plan: &mut dyn FnMut(&Schedule)) {
         let elements = self.best_list.clone();
         let value = self.value_of(&elements);
         let mut current = Current { elements, value };
-        let elsewhere = self.cycle % 3 == 2 || self.cycle % 3 == 1 && self.competitive;
+        let elsewhere = self.cycles % 3 == 2 || self.cycles % 3 == 1 && self.competitive;
         if elsewhere {
             self.nodes += 1;
             let stop = || limits.reached();
@@ -324,7 +318,7 @@ impl<'t> Optimiser<'t> {
                 current.value = self.workshop.value();
             }
         }
-        let value = self.search_from(current, (cooling, lists), limits, on_plan);
+        let value = self.search_from(current, cycle, limits, on_plan);
         if elsewhere && !limits.reached() {
             let best = self.value_of(&self.best_list.clone());
             self.competitive = value <= best + COMPETITIVE * best.abs();

@@ -176,18 +176,15 @@ impl Workshop {
 #[cfg(test)]
 mod tests {
     use super::{Item, Tail};
-    use crate::schedule::links::Links;
     use crate::schedule::question::Restriction;
-    use crate::schedule::testing::{FACTORY, operator, task};
+    use crate::schedule::testing::{FACTORY, elements, task};
     use crate::schedule::workshop::Workshop;
 
     #[test]
     fn a_list_is_given_up_before_what_would_be_late() {
         let task = task(FACTORY);
         let mut workshop = Workshop::new(&task, 0, None).expect("supported");
-        let prime = operator(&task, "prime");
-        let (model, propositions) = (&workshop.model, &workshop.propositions);
-        let list = Links::default().elements(model, propositions, &[prime], true);
+        let list = elements(&task, &workshop, &["prime"]);
         let labelling = workshop.labelling();
         let tail = Tail {
             any: 3.0,

@@ -1,8 +1,10 @@
-//! A small task for the tests of this space.
+//! A small task for the tests of this space, and what they all need.
 
 use crate::attachment::NoAttachments;
 use crate::grounding::{GroundingLimits, ground};
 use crate::pddl::{read_domain, read_problem};
+use crate::schedule::links::{Element, Links};
+use crate::schedule::workshop::Workshop;
 use crate::syntax::source::SourceFile;
 use crate::task::{OperatorId, Task};
 
@@ -48,4 +50,11 @@ pub fn operator(task: &Task, name: &str) -> u32 {
     let mut operators = 0..task.operators.len() as u32;
     let found = operators.find(|index| task.operator_name(OperatorId(*index)) == name);
     found.unwrap_or_else(|| panic!("no operator {name}"))
+}
+
+/// A list of operators by name, and what each of them is for.
+pub fn elements(task: &Task, workshop: &Workshop, names: &[&str]) -> Vec<Element> {
+    let list: Vec<u32> = names.iter().map(|name| operator(task, name)).collect();
+    let (model, propositions) = (&workshop.model, &workshop.propositions);
+    Links::default().elements(model, propositions, &list, true)
 }
