@@ -27,8 +27,9 @@ const COOL: f64 = 0.001;
 const SLACK: f64 = 0.2;
 /// Lists without success after which a descent ends.
 const PATIENCE: u32 = 40;
-/// Cycles of fewer lists are annealing throughout: a descent takes some dozens.
-const MANY: u64 = 500;
+/// Cycles of fewer lists for each operator of the one they begin with are annealing throughout: a
+/// descent takes some dozens, and more where there is more to change.
+const MANY: u64 = 20;
 /// How often a descent changes something that the makespan waits for.
 const FOCUS: f64 = 0.8;
 
@@ -50,7 +51,7 @@ impl Optimiser<'_> {
     ) -> f64 {
         // Without times to be late for, there is nothing to descend from; short cycles have no time to.
         let is_time = self.workshop.objective.is_time();
-        let descends = is_time && cycle.lists >= MANY;
+        let descends = is_time && cycle.lists >= MANY * current.elements.len() as u64;
         let annealing = if descends { ANNEALING } else { 1.0 };
         let scale = current.value.abs().max(1e-3);
         let begun = self.nodes;
