@@ -48,6 +48,9 @@ pub struct Optimiser<'t> {
     /// Cycles so far, and the length of the next one in lists.
     cycles: u32,
     cycle_length: u64,
+    /// Lists tried in cycles, and how long that took [s]: constructing a list takes much longer.
+    changed: u64,
+    changing_s: f64,
     /// Whether the last cycle from somewhere else came near the best plan.
     competitive: bool,
 }
@@ -82,6 +85,8 @@ impl<'t> Optimiser<'t> {
             nodes: 0,
             cycles: 0,
             cycle_length: FIRST_CYCLE,
+            changed: 0,
+            changing_s: 0.0,
             competitive: false,
         })
     }
@@ -148,7 +153,10 @@ impl<'t> Optimiser<'t> {
                     _ => Cycle::of(remaining),
                 }
             };
+            let (nodes, at) = (self.nodes, Instant::now());
             self.improve(cycle, limits, on_plan);
+            self.changed += self.nodes - nodes;
+            self.changing_s += at.elapsed().as_secs_f64();
             self.cycles += 1;
             self.cycle_length += self.cycle_length / 2;
         }
@@ -159,7 +167,8 @@ impl<'t> Optimiser<'t> {
         }
     }
 
-    /// How many lists can be tried until the deadline, judged by the rate so far.
+    /// How many lists can be tried until the deadline, judged by the rate of the cycles so far, or of this
+    /// run if there are none.
     fn affordable(&self, limits: &Limits<'_>, begun: Instant, nodes_before: u64) -> u64 {
         let Some(deadline) = limits.deadline else {
             return u64::MAX;
@@ -167,8 +176,12 @@ impl<'t> Optimiser<'t> {
         let left_s = deadline
             .saturating_duration_since(Instant::now())
             .as_secs_f64();
-        let spent_s = begun.elapsed().as_secs_f64().max(1e-6);
-        let rate = (self.nodes - nodes_before) as f64 / spent_s;
+        let (lists, spent_s) = if self.changed > 0 {
+            (self.changed, self.changing_s)
+        } else {
+            (self.nodes - nodes_before, begun.elapsed().as_secs_f64())
+        };
+        let rate = lists as f64 / spent_s.max(1e-6);
         ((left_s * rate) as u64).max(50)
     }
 
