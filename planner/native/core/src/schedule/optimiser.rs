@@ -347,3 +347,34 @@ impl Optimiser<'_> {
         (self.workshop.achieved, self.workshop.exploration.settled)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+    use std::time::{Duration, Instant};
+
+    use super::Optimiser;
+    use crate::schedule::limits::Limits;
+    use crate::schedule::testing::{FACTORY, task};
+
+    #[test]
+    fn what_can_be_tried_is_judged_by_cycles_not_by_new_lists() {
+        let task = task(FACTORY);
+        let mut optimiser = Optimiser::new(&task, 0, None).expect("supported");
+        let cancel = AtomicBool::new(false);
+        let now = Instant::now();
+        let limits = Limits {
+            deadline: Some(now + Duration::from_secs(1000)),
+            patience: None,
+            cancel: &cancel,
+            nodes: None,
+        };
+        let begun = now - Duration::from_secs(1);
+        optimiser.nodes = 4;
+        let by_new_lists = optimiser.affordable(&limits, begun, 0);
+        assert!((1_000..=4_000).contains(&by_new_lists));
+        (optimiser.changed, optimiser.changing_s) = (1_000, 1.0);
+        let by_cycles = optimiser.affordable(&limits, begun, 0);
+        assert!((500_000..=1_000_000).contains(&by_cycles));
+    }
+}
